@@ -1,0 +1,134 @@
+//! What a problem must offer to be integrated, brought to rest, or linearised.
+//!
+//! `M(q) a + f(t, q, v) + phi_q^T lambda_ = 0`, `phi(t, q) = 0`, with all forces collected in `f`.
+//! Positions `q` may have more coordinates than there are velocities (quaternions): positions are moved only by
+//! [`Problem::retract`], and everything else lives in the space of velocities.
+
+use crate::structure::Structure;
+
+/// A point of evaluation.
+#[derive(Clone, Copy, Debug)]
+pub struct Point<'a> {
+    /// Time [s], or the load factor in statics.
+    pub t: f64,
+    /// Coordinates, length [`Problem::coordinates`].
+    pub q: &'a [f64],
+    /// Velocities, length [`Problem::velocities`].
+    pub v: &'a [f64],
+    /// Accelerations, length [`Problem::velocities`].
+    pub a: &'a [f64],
+    /// Multipliers, length [`Problem::multipliers`].
+    pub lambda_: &'a [f64],
+}
+
+/// Weights of the parts of the iteration matrix
+/// `[mass M + damping df/dv + stiffness (df/dq + (phi_q^T lambda_)_q), jacobian phi_q^T; jacobian phi_q, 0]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Factor of the mass matrix.
+    pub mass: f64,
+    /// Factor of the damping matrix.
+    pub damping: f64,
+    /// Factor of the stiffness matrix.
+    pub stiffness: f64,
+    /// Factor of the constraint Jacobian: 1, or 0 to leave the multipliers' rows empty.
+    pub jacobian: f64,
+}
+
+/// An evaluation failed: the state is outside the domain of the model (or an input could not be evaluated).
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct EvaluationError {
+    /// What happened, with the numbers.
+    pub message: String,
+    /// Whether a smaller step may help (not for a failing user callback, say).
+    pub recoverable: bool,
+}
+
+/// A problem in the form above. Methods take `&mut self` only for scratch memory: equal points give equal bits.
+pub trait Problem: Send {
+    /// Number of coordinates `q`.
+    fn coordinates(&self) -> usize;
+    /// Number of velocities `v`.
+    fn velocities(&self) -> usize;
+    /// Number of multipliers.
+    fn multipliers(&self) -> usize;
+    /// Sparsity of the iteration matrix.
+    fn structure(&self) -> &Structure;
+    /// Typical size of an increment of each velocity-level coordinate (a length for positions, 1 for slopes and
+    /// rotations), length `velocities`: makes norms of increments dimensionless.
+    fn scale(&self) -> &[f64];
+    /// Typical size of each constraint's residual, length `multipliers`.
+    fn constraint_scale(&self) -> &[f64];
+
+    /// `out = q` moved by `increment` (length `velocities`). The default is `q + increment`.
+    fn retract(&self, q: &[f64], increment: &[f64], out: &mut [f64]) {
+        for ((o, q), d) in out.iter_mut().zip(q).zip(increment) {
+            *o = q + d;
+        }
+    }
+
+    /// Whether `retract` is the plain sum and coordinates are velocities' integrals.
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    /// Whether forces depend on velocities (else the integrator leaves `v` stale inside Newton).
+    fn has_damping(&self) -> bool;
+
+    /// `force = M a + f + phi_q^T lambda_`, `phi`; both overwritten.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] where the model cannot be evaluated.
+    fn residual(
+        &mut self,
+        at: Point<'_>,
+        force: &mut [f64],
+        phi: &mut [f64],
+    ) -> Result<(), EvaluationError>;
+
+    /// Element matrices of the iteration matrix, written to `values` (length `structure().values()`).
+    fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]);
+
+    /// What is left of the second time derivative of `phi` at a = 0:
+    /// `out = (phi_q v)_q v + 2 phi_qt v + phi_tt`.
+    fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]);
+
+    /// What is left of the third time derivative of `phi` at zero jerk:
+    /// `out = 3 phi_qq(v, a) + phi_qqq(v, v, v) + mixed time terms + phi_ttt`.
+    fn constraint_jerk(&mut self, at: Point<'_>, out: &mut [f64]);
+
+    /// `out = phi_t`, the rate of the constraints at v = 0.
+    fn constraint_rate(&mut self, t: f64, q: &[f64], out: &mut [f64]) {
+        let _ = (t, q);
+        out.fill(0.0);
+    }
+
+    /// A step was accepted: commit internal variables, gather integrals over time.
+    fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
+        let _ = (before, after);
+    }
+
+    /// Number of parameters whose sensitivities can be asked for.
+    fn parameters(&self) -> usize {
+        0
+    }
+
+    /// Derivative of the residual by parameter `p`: `force` (length `velocities`) and `phi` overwritten.
+    fn parameter_derivative(
+        &mut self,
+        at: Point<'_>,
+        p: usize,
+        force: &mut [f64],
+        phi: &mut [f64],
+    ) {
+        let _ = (at, p);
+        force.fill(0.0);
+        phi.fill(0.0);
+    }
+
+    /// Name of an unknown for messages: which body, node and component.
+    fn describe(&self, unknown: usize) -> String {
+        format!("unknown {unknown}")
+    }
+}

@@ -1,0 +1,259 @@
+//! The lowered model document: what the Python face writes and every run starts from.
+//!
+//! Points, curves and sections of the user's model have become nodes, elements and stiffness at quadrature points;
+//! names stay, for messages. Large arrays travel beside the document: `{"array": k}` points at number k.
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the document that this crate reads and writes.
+pub const VERSION: u32 = 1;
+
+/// Numbers of any shape, row by row: in the document itself or beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Array {
+    /// Number of an array that travels beside the document.
+    Beside {
+        /// Which one.
+        array: usize,
+    },
+    /// The numbers themselves.
+    Inline(Vec<f64>),
+}
+
+/// A model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelSpec {
+    /// [`VERSION`].
+    pub version: u32,
+    /// Acceleration of gravity [m/s^2].
+    pub gravity: [f64; 3],
+    /// Points whose position several cables share, or free point masses, (p, 3) [m].
+    pub shared_points: Array,
+    /// Their velocities, (p, 3) [m/s].
+    pub shared_velocities: Array,
+    /// Cables and nets of cables.
+    pub cables: Vec<CableSpec>,
+    /// Lumped masses.
+    pub masses: Vec<MassSpec>,
+    /// Joints.
+    pub joints: Vec<JointSpec>,
+    /// Loads.
+    pub loads: Vec<LoadSpec>,
+}
+
+/// Strands of one law; nodes and elements of all strands one after the other. Strand k with n_k elements has
+/// n_k + 1 nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CableSpec {
+    /// Name of the body.
+    pub name: String,
+    /// Number of elements of each strand, (strands,), whole numbers.
+    pub strands: Array,
+    /// Node positions at the start, (nodes, 3) [m].
+    pub r: Array,
+    /// Slopes dr/ds at the start by stress-free arc length, (nodes, 3).
+    pub t: Array,
+    /// Velocities of the positions at the start, (nodes, 3) [m/s], or empty for none.
+    pub v_r: Array,
+    /// Velocities of the slopes at the start, (nodes, 3) [1/s], or empty for none.
+    pub v_t: Array,
+    /// Stress-free lengths of the elements, (elements,) [m].
+    pub lengths: Array,
+    /// Axial stiffness EA [N]: (1,), or at the rule's axial points, (elements, m): m = 3 for Lobatto (start, middle,
+    /// end), 5 for full (Gauss).
+    pub axial_stiffness: Array,
+    /// Bending stiffness EI [N m^2]: (1,), or at the three Gauss points, (elements, 3).
+    pub bending_stiffness: Array,
+    /// Mass per stress-free length [kg/m]: (1,), or at five Gauss points, (elements, 5).
+    pub mass_per_length: Array,
+    /// `green_lagrange` or `biot`.
+    pub strain: StrainSpec,
+    /// `lobatto` or `full`.
+    pub integration: IntegrationSpec,
+    /// `exact` or `simplified`.
+    pub bending: BendingSpec,
+    /// Stress-free line curved in a plane; none: straight elements.
+    pub reference: Option<ReferenceSpec>,
+    /// No compression.
+    pub tension_only: bool,
+    /// Kelvin-Voigt retardation time [s].
+    pub retardation_time: f64,
+    /// Rows (node, shared point): nodes whose position is a shared point's, (k, 2), whole numbers.
+    pub shared: Array,
+}
+
+/// Strain measure of the axial law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StrainSpec {
+    /// (r'.r' - 1) / 2.
+    GreenLagrange,
+    /// |r'| - 1.
+    Biot,
+}
+
+/// Quadrature of the axial energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IntegrationSpec {
+    /// Three Lobatto points: free of locking.
+    Lobatto,
+    /// Five Gauss points: exact for Green-Lagrange.
+    Full,
+}
+
+/// Measure of curvature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BendingSpec {
+    /// Rotation of the tangent per stress-free length, |r' x r''| / |r'|^2.
+    Exact,
+    /// |r''|.
+    Simplified,
+}
+
+/// A stress-free line curved in a plane.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceSpec {
+    /// Node positions, (nodes, 3) [m].
+    pub r: Array,
+    /// Slopes, (nodes, 3).
+    pub t: Array,
+    /// Unit normal of the plane.
+    pub normal: [f64; 3],
+}
+
+/// A material point, a shared point or a point of the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum PointSpec {
+    /// Point of a cable.
+    Cable {
+        /// Number of the cable.
+        cable: usize,
+        /// Number of the element, counted through all strands.
+        element: usize,
+        /// Place in the element, 0 to 1.
+        xi: f64,
+    },
+    /// A shared point.
+    Shared {
+        /// Its number.
+        shared: usize,
+    },
+    /// A point fixed in the world [m].
+    World {
+        /// Its position.
+        world: [f64; 3],
+    },
+}
+
+/// A lumped mass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MassSpec {
+    /// Name.
+    pub name: String,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Where it sits.
+    pub at: PointSpec,
+}
+
+/// A joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum JointSpec {
+    /// Two points coincide (3 equations).
+    Pin {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+    },
+    /// A point of a cable keeps its position and the direction of its tangent (5 equations; the stretch is free).
+    Clamp {
+        /// Name.
+        name: String,
+        /// The point.
+        a: PointSpec,
+        /// Direction of the tangent; none: that at the start.
+        direction: Option<[f64; 3]>,
+    },
+}
+
+/// A load.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum LoadSpec {
+    /// A force at a point [N].
+    Force {
+        /// Name.
+        name: String,
+        /// Where.
+        at: PointSpec,
+        /// Three components.
+        value: Signal,
+        /// Turns with the tangent, in the plane of the starting tangent and the starting force.
+        follower: bool,
+    },
+    /// A moment at a point of a cable [N m].
+    Moment {
+        /// Name.
+        name: String,
+        /// Where.
+        at: PointSpec,
+        /// Three components.
+        value: Signal,
+    },
+    /// A force per stress-free length on all of a cable [N/m].
+    Line {
+        /// Name.
+        name: String,
+        /// Number of the cable.
+        cable: usize,
+        /// Three components.
+        value: Signal,
+    },
+}
+
+/// A value over time. Scalars (one number) multiply and add to vectors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Signal {
+    /// The same at all times; scaled by the load factor in statics.
+    Constant(Vec<f64>),
+    /// Components `first..first + size` of what the caller's function of time returns.
+    Input {
+        /// First component.
+        first: usize,
+        /// Number of components.
+        size: usize,
+    },
+    /// Interpolated between rows.
+    Table {
+        /// Times, (k,), ascending [s].
+        times: Vec<f64>,
+        /// Values, (k, m), row by row.
+        values: Vec<f64>,
+        /// Repeats with this period [s].
+        period: Option<f64>,
+        /// Without jumps of slope (cubic) instead of linear.
+        smooth: bool,
+    },
+    /// 0 before 0, 1 after `duration`, without jumps of slope between.
+    Ramp {
+        /// Duration [s].
+        duration: f64,
+    },
+    /// Sum of the terms.
+    Sum(Vec<Signal>),
+    /// Product of the factors.
+    Product(Vec<Signal>),
+}

@@ -1,0 +1,147 @@
+"""The compiled core: systems built from lowered model documents, and what can be done with them.
+
+Arrays are float64 and C-contiguous; n counts outputs, nq coordinates, nv velocities, nl multipliers.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+class ModelError(ValueError):
+    """A model document is wrong; the message names the place, the value and the remedy."""
+
+class ConvergenceError(RuntimeError):
+    """A solve failed. ``args`` are the message and a dict with ``time``, ``step``, ``iterations``,
+    ``residuals`` (list of float), ``unknown`` (text such as "cable 'rope', node 3, slope y")."""
+
+class Records(TypedDict):
+    """What was recorded: one row an output."""
+
+    time: FloatArray  # (n,) [s], or load factors
+    q: FloatArray  # (n, nq)
+    v: FloatArray  # (n, nv)
+    a: FloatArray  # (n, nv)
+    lambda_: FloatArray  # (n, nl)
+    energy: FloatArray  # (n, 5) kinetic, elastic, gravitational, dissipated, work [J]
+
+class System:
+    """A model made ready to compute with.
+
+    ``spec`` is the lowered document (JSON), whose ``{"array": k}`` entries point into ``arrays``.
+    """
+
+    def __init__(self, spec: str, arrays: Sequence[FloatArray]) -> None: ...
+    @property
+    def coordinates(self) -> int: ...
+    @property
+    def velocities(self) -> int: ...
+    @property
+    def multipliers(self) -> int: ...
+    @property
+    def initial_q(self) -> FloatArray: ...
+    @property
+    def initial_v(self) -> FloatArray: ...
+    def cable_offsets(self, cable: int) -> IntArray:
+        """Offsets in q of each node's position and slope, shape (nodes, 2)."""
+    def shared_offsets(self) -> IntArray:
+        """Offsets in q of the shared points, shape (p,)."""
+    def joint_offsets(self) -> IntArray:
+        """First multiplier and number of multipliers of each joint, shape (joints, 2)."""
+    def describe_solver(self) -> str: ...
+    def masses(self) -> tuple[float, FloatArray]:
+        """Total mass [kg] and first moment at the start, shape (3,) [kg m]."""
+    def cable_mass(self, cable: int) -> float: ...
+    def integrator(
+        self,
+        *,
+        step: float,
+        spectral_radius: float,
+        tolerance: float | None = None,
+        threads: int = 1,
+        q: FloatArray | None = None,
+        v: FloatArray | None = None,
+        state: bytes | None = None,
+        inputs: Callable[[float], FloatArray] | None = None,
+    ) -> Integrator:
+        """Starts at ``q``, ``v`` (default: the document's), consistently, or continues ``state`` bit for bit."""
+    def solve_static(
+        self,
+        *,
+        load_steps: int = 1,
+        tolerance: float | None = None,
+        q: FloatArray | None = None,
+        inputs: Callable[[float], FloatArray] | None = None,
+        poll: Callable[[float], None] | None = None,
+    ) -> Records:
+        """Equilibria at the load factors reached, the last at 1. ``poll(load_factor)`` may raise to stop."""
+    def solve_modes(
+        self,
+        count: int,
+        *,
+        q: FloatArray | None = None,
+        lambda_: FloatArray | None = None,
+        t: float = 0.0,
+        load_factor: bool = False,
+        inputs: Callable[[float], FloatArray] | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Squares of the angular frequencies (count,) ascending [1/s^2] and shapes (count, nv), mass-normalised."""
+    def axial_force(self, cable: int, q: FloatArray) -> FloatArray:
+        """Axial force [N] at mid-element, shape (n, elements), of states (n, nq)."""
+    def strain(self, cable: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Axial strain (n, elements) and material curvature vector [1/m] (n, elements, 3) at mid-element."""
+    def reaction(
+        self, joint: int, time: FloatArray, q: FloatArray, lambda_: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Force [N] and moment [N m] that the joint exerts on its first point, each (n, 3)."""
+    def nodal_force(
+        self,
+        cable: int,
+        node: int,
+        q: FloatArray,
+        v: FloatArray,
+        a: FloatArray,
+    ) -> FloatArray:
+        """Force [N] that everything else exerts on this cable's node (inertia included), shape (n, 3)."""
+    def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Kinetic, elastic and gravitational energy [J], shape (n, 3)."""
+    def momentum(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Linear and angular momentum (about the world origin) and first moment of mass, each (n, 3)."""
+
+class Integrator:
+    """A run in progress."""
+
+    @property
+    def time(self) -> float: ...
+    @property
+    def projection(self) -> float:
+        """Size of the correction that joints forced on the initial velocities [m/s]."""
+    def advance(self, steps: int, *, output_every: int = 1, seconds: float = 0.1) -> int:
+        """Takes up to ``steps`` steps, records every ``output_every``-th (counted from the start), stops
+        after about ``seconds`` of wall time; returns the number taken. The state of a failed step is the one
+        before it."""
+    def records(self) -> Records:
+        """What was recorded since the last call (the start included in the first)."""
+    def state(self) -> bytes: ...
+    @property
+    def q(self) -> FloatArray: ...
+    @property
+    def v(self) -> FloatArray: ...
+    @property
+    def a(self) -> FloatArray: ...
+    @property
+    def lambda_(self) -> FloatArray: ...
+    def statistics(self) -> dict[str, Any]:
+        """Counters ``steps``, ``rejected``, ``newton_iterations``, ``factorizations`` and ``seconds`` by part."""
+
+def cable_element(
+    law: str, parameters: str, q: FloatArray, v: FloatArray, a: FloatArray
+) -> dict[str, FloatArray]:
+    """One cable element for tests and teaching: ``energy``, ``force`` (12,), ``tangent``, ``damping``, ``mass``
+    (12, 12). ``law`` and ``parameters`` are JSON documents like those of a cable in a model document."""
+
+__version__: str
