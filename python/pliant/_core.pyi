@@ -65,10 +65,9 @@ class System:
         threads: int = 1,
         q: FloatArray | None = None,
         v: FloatArray | None = None,
-        state: bytes | None = None,
         inputs: Callable[[float], FloatArray] | None = None,
     ) -> Integrator:
-        """Starts at ``q``, ``v`` (default: the document's), consistently, or continues ``state`` bit for bit."""
+        """Starts at ``q``, ``v`` (default: the document's), made consistent with the joints."""
     def solve_static(
         self,
         *,
@@ -126,7 +125,6 @@ class Integrator:
         before it."""
     def records(self) -> Records:
         """What was recorded since the last call (the start included in the first)."""
-    def state(self) -> bytes: ...
     @property
     def q(self) -> FloatArray: ...
     @property
