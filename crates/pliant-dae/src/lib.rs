@@ -5,4 +5,5 @@
 mod dense;
 pub mod linear_solver;
 pub mod problem;
+mod sparse;
 pub mod structure;

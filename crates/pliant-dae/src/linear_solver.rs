@@ -1,6 +1,7 @@
 //! One face for all factorisations: analysed once per structure, factorised often, solved oftener.
 
 use crate::dense::Dense;
+use crate::sparse::Sparse;
 use crate::structure::{Structure, entries};
 
 /// Why a factorisation failed.
@@ -72,8 +73,10 @@ pub fn analyze(
     structure: &Structure,
     options: Options,
 ) -> Result<Box<dyn LinearSolver>, FactorError> {
-    let _ = options;
-    Ok(Box::new(Dense::new(structure)))
+    if structure.unknowns() <= options.dense_limit {
+        return Ok(Box::new(Dense::new(structure)));
+    }
+    Ok(Box::new(Sparse::new(structure)?))
 }
 
 /// The first element whose matrix holds a number that is not finite.

@@ -1,0 +1,274 @@
+//! Sparse factorisation: regularised LDL^T of symmetric matrices with refinement, LU of all others.
+//!
+//! The matrix is scaled to unit diagonal on the primal part and to Jacobian rows of unit norm. The multipliers'
+//! diagonal is lowered by a tiny number, so that no order of elimination meets a zero pivot; refinement against the
+//! true matrix removes what this does to the solution. Without pivoting an indefinite primal block may still spoil
+//! the factors: every factorisation is probed by a known solution, and LU takes over where that comes back wrong.
+
+mod factors;
+mod pattern;
+
+use crate::linear_solver::{FactorError, LinearSolver, non_finite_element};
+use crate::structure::Structure;
+use factors::{Ldlt, Lu};
+use pattern::{Move, Pattern};
+
+/// What the multipliers' diagonal is lowered by, after scaling.
+const REGULARISATION: f64 = 1e-9;
+/// Refinement steps of one solution at most.
+const REFINEMENTS: usize = 4;
+/// Error of the probe's primal unknowns, of size one, above which the factors are useless.
+const PROBE_TOLERANCE: f64 = 1e-4;
+
+/// Back end for large systems.
+pub(crate) struct Sparse {
+    velocities: usize,
+    pattern: Pattern,
+    moves: Vec<Move>,
+    /// The scaled matrix, regularised where `factors` are LDL^T.
+    matrix: Vec<f64>,
+    scale: Vec<f64>,
+    /// Largest row sum of the scaled matrix.
+    norm: f64,
+    ldlt: Option<Ldlt>,
+    lu: Option<WholeLu>,
+    /// Whether the last factorisation was LU.
+    by_lu: bool,
+    solution: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+/// LU with the whole pattern it needs, and the index of each of its entries in the matrix kept.
+struct WholeLu {
+    lu: Lu,
+    pattern: Pattern,
+    from: Vec<u32>,
+    matrix: Vec<f64>,
+}
+
+impl WholeLu {
+    fn new(pattern: &Pattern) -> Result<Self, factors::Failed> {
+        let (pattern, from) = if pattern.upper {
+            pattern.expanded()
+        } else {
+            (pattern.clone(), (0..pattern.rows.len() as u32).collect())
+        };
+        Ok(Self { lu: Lu::new(&pattern)?, matrix: vec![0.0; from.len()], pattern, from })
+    }
+
+    fn factor(&mut self, matrix: &[f64]) -> Result<(), factors::Failed> {
+        for (a, &k) in self.matrix.iter_mut().zip(&self.from) {
+            *a = matrix[k as usize];
+        }
+        self.lu.factor(&self.pattern, &self.matrix)
+    }
+}
+
+impl Sparse {
+    pub(crate) fn new(structure: &Structure) -> Result<Self, FactorError> {
+        let n = structure.unknowns();
+        let symmetric = structure.is_symmetric();
+        let (pattern, moves) = Pattern::new(structure, symmetric);
+        let too_large = |_| FactorError::TooLarge { unknowns: n };
+        let ldlt = if symmetric { Some(Ldlt::new(&pattern).map_err(too_large)?) } else { None };
+        Ok(Self {
+            velocities: structure.velocities(),
+            matrix: vec![0.0; pattern.rows.len()],
+            scale: vec![1.0; n],
+            norm: 0.0,
+            ldlt,
+            lu: None,
+            by_lu: !symmetric,
+            solution: vec![0.0; n],
+            residual: vec![0.0; n],
+            pattern,
+            moves,
+        })
+    }
+
+    /// Scales the matrix in place; on failure names an unknown whose row is empty.
+    fn equilibrate(&mut self) -> Result<(), usize> {
+        let Self { pattern, matrix, scale, .. } = self;
+        let n = pattern.size();
+        for i in 0..self.velocities {
+            let d = matrix[pattern.diagonal[i] as usize].abs();
+            scale[i] = if d > 0.0 { 1.0 / d.sqrt() } else { 1.0 };
+        }
+        for j in self.velocities..n {
+            let squares: f64 = pattern
+                .column(j)
+                .filter(|&k| (pattern.rows[k] as usize) < self.velocities)
+                .map(|k| (matrix[k] * scale[pattern.rows[k] as usize]).powi(2))
+                .sum();
+            scale[j] = if squares > 0.0 { 1.0 / squares.sqrt() } else { 1.0 };
+        }
+        let sums = &mut self.residual;
+        sums.fill(0.0);
+        for j in 0..n {
+            for k in pattern.column(j) {
+                let i = pattern.rows[k] as usize;
+                matrix[k] *= scale[i] * scale[j];
+                sums[i] += matrix[k].abs();
+                if pattern.upper && i != j {
+                    sums[j] += matrix[k].abs();
+                }
+            }
+        }
+        self.norm = sums.iter().fold(0.0, |m, s| m.max(*s));
+        // Not `s > 0`: a sum that is not a number has failed too.
+        match sums.iter().position(|s| !s.is_finite() || *s == 0.0) {
+            Some(unknown) => Err(unknown),
+            None => Ok(()),
+        }
+    }
+
+    fn shift_multipliers(&mut self, by: f64) {
+        for &k in &self.pattern.diagonal[self.velocities..] {
+            self.matrix[k as usize] += by;
+        }
+    }
+
+    /// Solves for a known solution and returns the worst primal unknown with its error.
+    fn probe(&mut self) -> (usize, f64) {
+        let n = self.pattern.size();
+        let known = |i: usize| if (i * 2_654_435_761) & 64 == 0 { 1.0 } else { -1.0 };
+        let mut x = std::mem::take(&mut self.solution);
+        for (i, x) in x.iter_mut().enumerate() {
+            *x = known(i);
+        }
+        let mut b = vec![0.0; n];
+        self.subtract_product(&x, &mut b, false);
+        for b in &mut b {
+            *b = -*b;
+        }
+        self.solution = x;
+        self.solve_scaled(&mut b, false);
+        let mut worst = (0, 0.0);
+        for (i, x) in b[..self.velocities].iter().enumerate() {
+            let error = (x - known(i)).abs();
+            if error > worst.1 || error.is_nan() {
+                worst = (i, if error.is_nan() { f64::INFINITY } else { error });
+            }
+        }
+        worst
+    }
+
+    /// `y -= A x` with the true, scaled matrix.
+    fn subtract_product(&self, x: &[f64], y: &mut [f64], transposed: bool) {
+        self.pattern.subtract_product(&self.matrix, x, y, transposed);
+        if !self.by_lu {
+            let from = self.velocities;
+            for (y, x) in y[from..].iter_mut().zip(&x[from..]) {
+                *y -= REGULARISATION * x;
+            }
+        }
+    }
+
+    fn apply_factors(&mut self, x: &mut [f64], transposed: bool) {
+        match (&mut self.ldlt, &mut self.lu) {
+            (Some(ldlt), _) if !self.by_lu => ldlt.solve(x),
+            (_, Some(whole)) => whole.lu.solve(x, transposed),
+            _ => {}
+        }
+    }
+
+    /// Solution of the scaled system, refined until the residual is at rounding level.
+    fn solve_scaled(&mut self, b: &mut [f64], transposed: bool) {
+        let mut x = std::mem::take(&mut self.solution);
+        let mut r = std::mem::take(&mut self.residual);
+        r.copy_from_slice(b);
+        x.fill(0.0);
+        let size = |v: &[f64]| v.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+        let right = size(b);
+        let mut last = f64::INFINITY;
+        for _ in 0..=REFINEMENTS {
+            self.apply_factors(&mut r, transposed);
+            for (x, r) in x.iter_mut().zip(&r) {
+                *x += r;
+            }
+            r.copy_from_slice(b);
+            self.subtract_product(&x, &mut r, transposed);
+            let now = size(&r);
+            if now <= 2.0 * f64::EPSILON * (self.norm * size(&x) + right) || now > 0.5 * last {
+                break;
+            }
+            last = now;
+        }
+        b.copy_from_slice(&x);
+        self.solution = x;
+        self.residual = r;
+    }
+
+    fn solve_with(&mut self, x: &mut [f64], transposed: bool) {
+        for (x, s) in x.iter_mut().zip(&self.scale) {
+            *x *= s;
+        }
+        self.solve_scaled(x, transposed);
+        for (x, s) in x.iter_mut().zip(&self.scale) {
+            *x *= s;
+        }
+    }
+
+    fn factor_ldlt(&mut self) -> Option<()> {
+        self.by_lu = false;
+        self.shift_multipliers(-REGULARISATION);
+        let factored = self.ldlt.as_mut()?.factor(&self.pattern, &self.matrix).is_ok();
+        if factored && self.probe().1 < PROBE_TOLERANCE {
+            return Some(());
+        }
+        self.shift_multipliers(REGULARISATION);
+        None
+    }
+
+    fn factor_lu(&mut self) -> Result<(), FactorError> {
+        let unknowns = self.pattern.size();
+        self.by_lu = true;
+        let mut whole = match self.lu.take() {
+            Some(whole) => whole,
+            None => WholeLu::new(&self.pattern).map_err(|_| FactorError::TooLarge { unknowns })?,
+        };
+        let factored = whole.factor(&self.matrix).is_ok();
+        self.lu = Some(whole);
+        let (unknown, error) = if factored { self.probe() } else { (0, f64::INFINITY) };
+        if error < PROBE_TOLERANCE { Ok(()) } else { Err(FactorError::Singular { unknown }) }
+    }
+}
+
+impl LinearSolver for Sparse {
+    fn factor(&mut self, structure: &Structure, values: &[f64]) -> Result<(), FactorError> {
+        self.pattern.assemble(&self.moves, values, &mut self.matrix);
+        let scaled = self.equilibrate();
+        scaled.map_err(|unknown| match non_finite_element(structure, values) {
+            Some(element) => FactorError::NotFinite { element },
+            None => FactorError::Singular { unknown },
+        })?;
+        if self.ldlt.is_some() && self.factor_ldlt().is_some() {
+            return Ok(());
+        }
+        self.factor_lu()
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        self.solve_with(x, false);
+    }
+
+    fn solve_transposed(&mut self, x: &mut [f64]) {
+        self.solve_with(x, true);
+    }
+
+    fn factor_cost(&self) -> f64 {
+        if self.ldlt.is_some() { 10.0 } else { 20.0 }
+    }
+
+    fn describe(&self) -> String {
+        let n = self.pattern.size();
+        match &self.ldlt {
+            Some(ldlt) => {
+                let (entries, blocked) = ldlt.size();
+                let kind = if blocked { "supernodal" } else { "simplicial" };
+                format!("sparse {kind} LDL^T: {n} unknowns, {entries} entries in L")
+            }
+            None => format!("sparse LU: {n} unknowns, {} entries", self.pattern.rows.len()),
+        }
+    }
+}

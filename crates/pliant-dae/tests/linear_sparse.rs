@@ -1,0 +1,93 @@
+//! The sparse and dense back ends against known solutions.
+
+mod linear_support;
+
+use linear_support::{
+    Builder, INDEFINITE, SOFT, STIFF, System, net, pinned_chain, residual, right_side,
+};
+use pliant_dae::linear_solver::{FactorError, LinearSolver, Options, analyze};
+
+const DENSE: Options = Options { condense: false, parallel: false, dense_limit: usize::MAX };
+const SPARSE: Options = Options { condense: false, parallel: false, dense_limit: 0 };
+
+fn check(system: &System, options: Options, tolerance: f64) -> Box<dyn LinearSolver> {
+    let mut solver = analyze(&system.structure, options).unwrap();
+    solver.factor(&system.structure, &system.values).unwrap();
+    for transposed in [false, true] {
+        let (_, b) = right_side(system, 3, transposed);
+        let mut x = b.clone();
+        if transposed {
+            solver.solve_transposed(&mut x);
+        } else {
+            solver.solve(&mut x);
+        }
+        let r = residual(system, &x, &b, transposed);
+        assert!(r < tolerance, "{}: residual {r}", solver.describe());
+    }
+    solver
+}
+
+#[test]
+fn known_solutions_are_found() {
+    for material in [SOFT, STIFF, INDEFINITE] {
+        for system in [pinned_chain(12, material), net(1, 4, 3, material)] {
+            check(&system, DENSE, 1e-11);
+            check(&system, SPARSE, 1e-11);
+        }
+    }
+}
+
+#[test]
+fn unsymmetric_matrices_are_solved_by_lu() {
+    let material = linear_support::Material { skew: 0.1, ..SOFT };
+    for system in [pinned_chain(12, material), net(1, 4, 3, material)] {
+        check(&system, DENSE, 1e-11);
+        let solver = check(&system, SPARSE, 1e-11);
+        assert!(solver.describe().contains("LU"), "{}", solver.describe());
+    }
+}
+
+#[test]
+fn an_indefinite_matrix_without_safe_pivots_is_solved() {
+    let mut b = Builder::new(5, SOFT);
+    let nodes = b.nodes(2);
+    b.chain(&nodes);
+    // Zero diagonals: no order of elimination without pivoting survives.
+    let zero = b.group(2);
+    b.element(&[zero], vec![0.0, 3.0, 3.0, 0.0]);
+    let system = b.build();
+    check(&system, SPARSE, 1e-11);
+    check(&system, DENSE, 1e-11);
+}
+
+#[test]
+fn a_floating_node_is_named() {
+    for options in [DENSE, SPARSE] {
+        let mut b = Builder::new(9, SOFT);
+        let nodes = b.nodes(4);
+        b.chain(&nodes);
+        let floating = b.group(6);
+        b.element(&[floating], vec![0.0; 36]);
+        let system = b.build();
+        let first = system.structure.groups()[floating].start;
+        let mut solver = analyze(&system.structure, options).unwrap();
+        assert_eq!(
+            solver.factor(&system.structure, &system.values),
+            Err(FactorError::Singular { unknown: first })
+        );
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_named() {
+    for options in [DENSE, SPARSE] {
+        let mut system = pinned_chain(5, SOFT);
+        let slot = system.structure.slot(3);
+        system.values[slot.base + 4 * slot.stride] = f64::NAN;
+        let mut solver = analyze(&system.structure, options).unwrap();
+        assert_eq!(
+            solver.factor(&system.structure, &system.values),
+            Err(FactorError::NotFinite { element: 3 })
+        );
+    }
+}
