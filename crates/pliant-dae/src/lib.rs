@@ -2,8 +2,16 @@
 //!
 //! This crate knows no mechanics beyond `M a + f + phi_q^T lambda_ = 0`, `phi = 0` (see [`problem::Problem`]).
 
+pub mod coefficients;
 mod dense;
+pub mod error;
+pub mod generalized_alpha;
+pub mod initial;
 pub mod linear_solver;
+pub mod newton;
 pub mod problem;
+mod scaling;
 mod sparse;
+pub mod statistics;
+mod step_change;
 pub mod structure;

@@ -73,6 +73,13 @@ pub trait Problem: Send {
         true
     }
 
+    /// `out = [v, w]`, the commutator of two velocities where `retract` is not commutative: `v x w` for angular
+    /// velocities in the body's own frame, zero on vector spaces. It enters the local error of the positions.
+    fn commutator(&self, v: &[f64], w: &[f64], out: &mut [f64]) {
+        let _ = (v, w);
+        out.fill(0.0);
+    }
+
     /// Whether forces depend on velocities (else the integrator leaves `v` stale inside Newton).
     fn has_damping(&self) -> bool;
 

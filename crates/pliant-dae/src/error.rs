@@ -1,0 +1,173 @@
+//! The one error type of this crate.
+
+use crate::linear_solver::FactorError;
+use crate::problem::{EvaluationError, Problem};
+
+/// Where an iteration stood when it was given up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Time aimed at [s], or the load factor in statics.
+    pub t: f64,
+    /// Step tried [s], or the increment of the load factor.
+    pub h: f64,
+    /// Number of iterations done.
+    pub iterations: usize,
+    /// Size of the increment of each iteration, `max |dq_i| / scale_i`.
+    pub increments: Vec<f64>,
+    /// The unknown that moved most in the last iteration, or is not finite.
+    pub unknown: usize,
+    /// Its description.
+    pub name: String,
+}
+
+/// Everything that can go wrong here.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The spectral radius is outside [0, 1].
+    #[error("spectral_radius must lie between 0 and 1, got {spectral_radius}")]
+    SpectralRadius {
+        /// The value refused.
+        spectral_radius: f64,
+    },
+    /// The spectral radius is too close to 1 for a problem with constraints.
+    #[error(
+        "spectral_radius {spectral_radius} is refused with constraints: above 0.98 their multipliers oscillate \
+         undamped and the motion gains energy without bound; take 0.9 where energy matters most, 0.8 in general, \
+         0.5 to 0.6 with impacts"
+    )]
+    UndampedConstraints {
+        /// The value refused.
+        spectral_radius: f64,
+    },
+    /// An array has the wrong length.
+    #[error("{what} must hold {expected} numbers, got {got}")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Length wanted.
+        expected: usize,
+        /// Length given.
+        got: usize,
+    },
+    /// A number is not finite or outside its range.
+    #[error("{what} must be {expected}, got {got}")]
+    Value {
+        /// Which number.
+        what: &'static str,
+        /// What is allowed.
+        expected: &'static str,
+        /// What was given.
+        got: f64,
+    },
+    /// The given positions do not satisfy the constraints.
+    #[error(
+        "positions violate {name} at t = {t}: residual {residual:.3e} at a typical size of {scale:.3e}"
+    )]
+    ConstraintViolated {
+        /// Time [s].
+        t: f64,
+        /// Number of the constraint.
+        constraint: usize,
+        /// Its description.
+        name: String,
+        /// Its residual.
+        residual: f64,
+        /// Its typical size.
+        scale: f64,
+    },
+    /// The iteration matrix is singular: something floats free, or constraints contradict or repeat each other.
+    #[error(
+        "at t = {t} the equations leave {name} undetermined: it floats free, or a constraint is redundant"
+    )]
+    Singular {
+        /// Time [s], or the load factor in statics.
+        t: f64,
+        /// The unknown that no equation determines.
+        unknown: usize,
+        /// Its description.
+        name: String,
+    },
+    /// The iteration did not converge.
+    #[error(
+        "no convergence at t = {} with a step of {} after {} iterations; {} still moves (increments {:?})",
+        .0.t, .0.h, .0.iterations, .0.name, .0.increments
+    )]
+    NotConverged(Box<Failure>),
+    /// A force, constraint or increment is not finite.
+    #[error("not finite at t = {} with a step of {}: {}", .0.t, .0.h, .0.name)]
+    NotFinite(Box<Failure>),
+    /// The problem could not be evaluated.
+    #[error("at t = {t}: {source}")]
+    Evaluation {
+        /// Time [s], or the load factor in statics.
+        t: f64,
+        /// What the problem said.
+        source: EvaluationError,
+    },
+    /// The linear solver refused the matrix.
+    #[error("at t = {t}: {source}")]
+    Solver {
+        /// Time [s], or the load factor in statics.
+        t: f64,
+        /// What the solver said.
+        source: FactorError,
+    },
+    /// The poll asked to stop.
+    #[error("interrupted at t = {t}")]
+    Interrupted {
+        /// Time [s], or the load factor in statics.
+        t: f64,
+    },
+}
+
+impl Error {
+    /// Whether a smaller step may help.
+    #[must_use]
+    pub fn is_recoverable(&self) -> bool {
+        match self {
+            Self::NotConverged(_) | Self::NotFinite(_) | Self::Singular { .. } => true,
+            Self::Evaluation { source, .. } => source.recoverable,
+            _ => false,
+        }
+    }
+
+    /// A failed factorisation, with the name of the unknown.
+    pub(crate) fn from_factor<P: Problem + ?Sized>(
+        problem: &P,
+        t: f64,
+        error: &FactorError,
+    ) -> Self {
+        match *error {
+            FactorError::Singular { unknown } => {
+                Self::Singular { t, unknown, name: problem.describe(unknown) }
+            }
+            FactorError::NotFinite { element } => {
+                let unknown =
+                    problem.structure().element_unknowns(element).next().unwrap_or_default();
+                let name = problem.describe(unknown);
+                Self::NotFinite(Box::new(Failure {
+                    t,
+                    h: 0.0,
+                    iterations: 0,
+                    increments: Vec::new(),
+                    unknown,
+                    name,
+                }))
+            }
+            FactorError::TooLarge { .. } => Self::Solver { t, source: error.clone() },
+        }
+    }
+}
+
+/// Refuses an array of the wrong length.
+pub(crate) fn check_length(
+    what: &'static str,
+    array: &[f64],
+    expected: usize,
+) -> Result<(), Error> {
+    if array.len() == expected {
+        Ok(())
+    } else {
+        Err(Error::Length { what, expected, got: array.len() })
+    }
+}

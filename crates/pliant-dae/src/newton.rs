@@ -1,0 +1,124 @@
+//! When Newton's iteration has converged, and when its matrix is worth factorising anew.
+
+/// Controls of Newton's iteration inside a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Bound of the remaining error of an increment, in units of the problem's scale.
+    pub tolerance: f64,
+    /// Bound of the constraints' residuals, in units of their scale.
+    pub constraint_tolerance: f64,
+    /// Iterations after which a step has failed.
+    pub max_iterations: usize,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self { tolerance: 1e-10, constraint_tolerance: 1e-10, max_iterations: 40 }
+    }
+}
+
+/// What to do after an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Stop: the remaining error is below the tolerance.
+    Converged,
+    /// Iterate with the same matrix.
+    Continue,
+    /// Iterate with a matrix factorised here.
+    Refactor,
+    /// The contraction is lost although increments are small: perhaps they are rounding noise.
+    Stalled,
+    /// Give up.
+    Failed,
+}
+
+/// Contraction above which the matrix is renewed inside a step. Larger values make long chains take tens of
+/// iterations now and then.
+const SLOW: f64 = 0.5;
+/// Successive increments without contraction after which a step has failed.
+const MAX_GROWTHS: usize = 4;
+/// Increments (in units of the scale) beyond any sense.
+const ABSURD: f64 = 1e8;
+
+/// Watches the increments of one step.
+///
+/// The contraction is measured in this step only: a first iteration accepted on a rate inherited from earlier
+/// steps leaves stiff errors that are small in positions, large in forces, and add up.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Monitor {
+    /// Sizes of the increments so far.
+    pub(crate) increments: Vec<f64>,
+    growths: usize,
+}
+
+impl Monitor {
+    pub(crate) fn with_capacity(iterations: usize) -> Self {
+        Self { increments: Vec::with_capacity(iterations), growths: 0 }
+    }
+
+    /// Begins a step.
+    pub(crate) fn reset(&mut self) {
+        self.increments.clear();
+        self.growths = 0;
+    }
+
+    /// Judges an iteration by the size of its increment and of the constraint residual that it answers.
+    pub(crate) fn judge(&mut self, size: f64, phi: f64, options: &NewtonOptions) -> Verdict {
+        let previous = self.increments.last().copied();
+        self.increments.push(size);
+        let tolerance = options.tolerance;
+        if size <= 0.01 * tolerance && phi <= options.constraint_tolerance {
+            return Verdict::Converged;
+        }
+        let theta = previous.map_or(0.0, |p| size / p);
+        let slow = theta > SLOW;
+        if previous.is_some() && theta < 1.0 {
+            // The errors left over are geometric series of what this iteration has corrected.
+            let rest = theta / (1.0 - theta);
+            if rest * size <= tolerance && rest * phi <= options.constraint_tolerance {
+                return Verdict::Converged;
+            }
+        }
+        self.growths = if theta >= 1.0 { self.growths + 1 } else { 0 };
+        let exhausted = self.increments.len() >= options.max_iterations;
+        if slow && (size <= 100.0 * tolerance || exhausted) {
+            return Verdict::Stalled;
+        }
+        if exhausted || self.growths >= MAX_GROWTHS || size.is_nan() || size > ABSURD {
+            return Verdict::Failed;
+        }
+        if slow { Verdict::Refactor } else { Verdict::Continue }
+    }
+
+    /// What to do when a stall was not rounding noise.
+    pub(crate) fn after_stall(&self, options: &NewtonOptions) -> Verdict {
+        let exhausted = self.increments.len() >= options.max_iterations;
+        if exhausted || self.growths >= MAX_GROWTHS {
+            Verdict::Failed
+        } else if self.increments.last().is_some_and(|&size| size > 10.0 * options.tolerance) {
+            Verdict::Refactor
+        } else {
+            Verdict::Continue
+        }
+    }
+}
+
+/// Decides between steps whether to keep a factorisation: it is renewed when the last step took more iterations
+/// than the mean cost of a step since it was made, its own cost included.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FactorAge {
+    /// Steps accepted since the factorisation.
+    pub steps: usize,
+    /// Iterations since the factorisation.
+    pub iterations: usize,
+    /// Iterations of the last accepted step.
+    pub last: usize,
+}
+
+impl FactorAge {
+    /// Whether renewing pays; `cost` is that of a factorisation in iterations.
+    #[must_use]
+    pub fn is_worn(&self, cost: f64) -> bool {
+        self.steps > 0 && self.last as f64 * self.steps as f64 > cost + self.iterations as f64
+    }
+}

@@ -1,0 +1,147 @@
+//! What a change of step does to the velocities and algorithmic accelerations.
+//!
+//! Discrete positions lie on the constraints, discrete velocities do not: they carry `c h^2` times the part of the
+//! jerk normal to the constraints, and `a_alg` belongs to the time `t + Delta h`. Both depend on the step. Values
+//! prepared for another step (or the exact ones, at the start) reduce the order of the multipliers to one (Arnold,
+//! Bruls & Cardona 2015), so they are corrected before the first step of a new length.
+//!
+//! The normal jerk is the kinematic one, from the constraints' third derivative: differences of accelerations
+//! would feed the multipliers' noise back and grow without bound.
+
+use crate::error::Error;
+use crate::generalized_alpha::Integrator;
+use crate::initial::{consistent_acceleration, normal_component};
+use crate::problem::Problem;
+use crate::scaling::weighted_max;
+
+/// Velocities and algorithmic accelerations before they were prepared for a new step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Saved {
+    v: Vec<f64>,
+    a_alg: Vec<f64>,
+    h: f64,
+}
+
+/// Time over which the initial jerk is measured, in steps.
+const JERK_SPAN: f64 = 0.1;
+
+impl<P: Problem> Integrator<P> {
+    /// Corrects velocities and algorithmic accelerations for a first step of length `h`.
+    pub(crate) fn prepare(&mut self, h: f64) -> Result<(), Error> {
+        let saved = &mut self.work.saved;
+        saved.v.clone_from(&self.state.v);
+        saved.a_alg.clone_from(&self.state.a_alg);
+        saved.h = self.state.h;
+        let outcome = self.correct(h);
+        if outcome.is_err() {
+            self.undo_prepare();
+        }
+        outcome
+    }
+
+    /// Takes the last [`Self::prepare`] back.
+    pub(crate) fn undo_prepare(&mut self) {
+        let saved = &self.work.saved;
+        self.state.v.clone_from(&saved.v);
+        self.state.a_alg.clone_from(&saved.a_alg);
+        self.state.h = saved.h;
+    }
+
+    fn correct(&mut self, h: f64) -> Result<(), Error> {
+        let before = self.state.h;
+        let shift = self.coefficients.shift();
+        let dv = self.normal_velocity_correction(
+            (h * h - before * before) * self.coefficients.error_constant(),
+        )?;
+        if before == 0.0 {
+            let jerk = self.initial_jerk(JERK_SPAN * h)?;
+            if self.is_resolved(&jerk, h) {
+                for (a_alg, j) in self.state.a_alg.iter_mut().zip(&jerk) {
+                    *a_alg += shift * h * j;
+                }
+            }
+        } else {
+            let state = &mut self.state;
+            let factor = shift * (h - before) / before;
+            for ((a_alg, a), a_previous) in
+                state.a_alg.iter_mut().zip(&state.a).zip(&state.a_previous)
+            {
+                *a_alg += factor * (a - a_previous);
+            }
+        }
+        for (v, d) in self.state.v.iter_mut().zip(&dv) {
+            *v += d;
+        }
+        self.state.h = h;
+        Ok(())
+    }
+
+    /// `factor P_n (j + [v, a] / (12 c))`, the commutator being the part of the local error that curved
+    /// configuration spaces add (empty without constraints).
+    fn normal_velocity_correction(&mut self, factor: f64) -> Result<Vec<f64>, Error> {
+        let m = self.problem.multipliers();
+        if m == 0 {
+            return Ok(Vec::new());
+        }
+        let c = self.coefficients.error_constant();
+        let state = &self.state;
+        let mut jerk = vec![0.0; m];
+        self.problem.constraint_jerk(state.point(), &mut jerk);
+        for j in &mut jerk {
+            *j *= -factor;
+        }
+        let mut bracket = vec![0.0; state.v.len()];
+        if !self.problem.is_flat() {
+            self.problem.commutator(&state.v, &state.a, &mut bracket);
+            for b in &mut bracket {
+                *b *= factor / (12.0 * c);
+            }
+        }
+        // The solver serves the iteration matrix as well: what it held is lost.
+        self.state.factor.h = 0.0;
+        self.statistics.factorizations += 1;
+        let state = &self.state;
+        normal_component(
+            &mut self.problem,
+            self.solver.as_mut(),
+            state.t,
+            &state.q,
+            &bracket,
+            &jerk,
+        )
+    }
+
+    /// Third derivative of the positions: a central difference of consistent accelerations along the motion, and
+    /// a forward one in time (loads may begin at the start).
+    fn initial_jerk(&mut self, e: f64) -> Result<Vec<f64>, Error> {
+        self.state.factor.h = 0.0;
+        self.statistics.factorizations += 4;
+        let state = &self.state;
+        let n = state.v.len();
+        let mut q = state.q.clone();
+        let mut v = state.v.clone();
+        let mut step = vec![0.0; n];
+        let mut along = |dt: f64, e: f64| {
+            for i in 0..n {
+                step[i] = e * state.v[i] + 0.5 * e * e * state.a[i];
+                v[i] = state.v[i] + e * state.a[i];
+            }
+            self.problem.retract(&state.q, &step, &mut q);
+            consistent_acceleration(&mut self.problem, self.solver.as_mut(), state.t + dt, &q, &v)
+                .map(|(a, _)| a)
+        };
+        let ahead = along(0.0, e)?;
+        let behind = along(0.0, -e)?;
+        let now = along(0.0, 0.0)?;
+        let later = along(e, 0.0)?;
+        Ok((0..n).map(|i| (0.5 * (ahead[i] - behind[i]) + (later[i] - now[i])) / e).collect())
+    }
+
+    /// Whether the step is short against the fastest motion that the start excites; else the jerk says nothing
+    /// about the step, and the scheme's own damping does better without it.
+    fn is_resolved(&self, jerk: &[f64], h: f64) -> bool {
+        let weight = &self.work.inverse_scale;
+        let size = |x: &[f64]| weighted_max(x, weight);
+        h * size(jerk) <= size(&self.state.a).max(size(&self.state.v) / h)
+    }
+}
