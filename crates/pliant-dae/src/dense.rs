@@ -87,7 +87,7 @@ impl DenseLu {
             }
             *c = 1.0 / *c;
         }
-        for row in self.lu.chunks_exact_mut(n) {
+        for row in self.lu.chunks_exact_mut(n.max(1)) {
             for (a, c) in row.iter_mut().zip(&self.column_scale) {
                 *a *= c;
             }

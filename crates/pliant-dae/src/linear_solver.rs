@@ -1,5 +1,6 @@
 //! One face for all factorisations: analysed once per structure, factorised often, solved oftener.
 
+use crate::condensation::Condensed;
 use crate::dense::Dense;
 use crate::sparse::Sparse;
 use crate::structure::{Structure, entries};
@@ -73,6 +74,11 @@ pub fn analyze(
     structure: &Structure,
     options: Options,
 ) -> Result<Box<dyn LinearSolver>, FactorError> {
+    if options.condense {
+        if let Some(condensed) = Condensed::new(structure, options)? {
+            return Ok(Box::new(condensed));
+        }
+    }
     if structure.unknowns() <= options.dense_limit {
         return Ok(Box::new(Dense::new(structure)));
     }

@@ -1,0 +1,311 @@
+//! One chain, eliminated from both ends to its middle node.
+//!
+//! With D the block of a node, C its coupling to the next one inwards, E the coupling back (C^T if symmetric) and B
+//! its coupling to the interface at its end: `W = D^-1 C`, `V = D^-1 B`; the next block is lessened by `E W`, the
+//! next coupling to the interface is `-E V`, and the interface's own matrix is lessened by `B^T V`.
+//! Two ends make two independent recurrences: they hide each other's latency, or run in two threads.
+
+use super::arm::{Arm, Carry, Own, Sweep, own};
+use super::block::{Block, N, Row, ZERO, combine, transpose};
+use super::graph::Path;
+use crate::structure::Structure;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Chains of at least this number of nodes are worth two threads.
+const WORTH_TWO_THREADS: usize = 4000;
+
+/// One chain with its factors.
+pub(super) struct Chain {
+    arms: [Arm; 2],
+    /// First unknown of the middle node, and the element matrices over it alone.
+    middle: usize,
+    middle_own: Vec<Own>,
+    sides: [MiddleFactors; 2],
+    z: Row,
+    symmetric: bool,
+    /// Interface unknowns at both ends.
+    pub(super) interface: Vec<u32>,
+    /// What is left for the interface after a factorisation, square.
+    pub(super) condensed: Vec<f64>,
+    /// What the interface's right-hand side is lessened by.
+    pub(super) share: Vec<f64>,
+    known: Vec<f64>,
+    /// Unknown without a pivot, if the last factorisation failed.
+    pub(super) failed: Option<usize>,
+    /// Whether a block needed pivoting.
+    pub(super) suspect: bool,
+}
+
+/// Factors at the middle, for the matrix or its transpose.
+#[derive(Default)]
+struct MiddleFactors {
+    inverse: Block,
+    forward: Vec<Row>,
+    back: Vec<Row>,
+}
+
+impl Chain {
+    pub(super) fn new(structure: &Structure, path: &Path, symmetric: bool) -> Self {
+        let n = path.nodes.len();
+        let middle = n / 2;
+        let unknowns = |g: u32| structure.groups()[g as usize].clone();
+        let mut interface = Vec::new();
+        for end in &path.ends {
+            let all = end.interface.iter().flat_map(|&g| unknowns(g));
+            interface.extend(all.map(|u| u as u32));
+        }
+        let arms = [
+            Arm::new(structure, path, (0..middle).collect(), 0, symmetric),
+            Arm::new(structure, path, (middle + 1..n).rev().collect(), 1, symmetric),
+        ];
+        let m = interface.len();
+        let side = |used: bool| {
+            let rows = vec![Row::default(); if used { m } else { 0 }];
+            MiddleFactors { inverse: ZERO, forward: rows.clone(), back: rows }
+        };
+        Self {
+            arms,
+            middle: unknowns(path.nodes[middle]).start,
+            middle_own: own(structure, &path.own[middle], 0),
+            sides: [side(true), side(!symmetric)],
+            z: Row::default(),
+            symmetric,
+            interface,
+            condensed: vec![0.0; m * m],
+            share: vec![0.0; m],
+            known: vec![0.0; m],
+            failed: None,
+            suspect: false,
+        }
+    }
+
+    /// Number of nodes.
+    pub(super) fn len(&self) -> usize {
+        self.arms[0].len() + self.arms[1].len() + 1
+    }
+
+    pub(super) fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
+    fn in_two_threads(&self, parallel: bool) -> bool {
+        parallel && self.len() >= WORTH_TWO_THREADS
+    }
+
+    /// Factorises; the outcome is in `failed`, `suspect` and `condensed`.
+    pub(super) fn factor(&mut self, values: &[f64], parallel: bool) {
+        self.suspect = false;
+        self.failed = None;
+        for arm in &mut self.arms {
+            if let Err(unknown) = arm.cap.factor(values) {
+                self.failed = Some(unknown);
+                return;
+            }
+        }
+        let two = self.in_two_threads(parallel);
+        let symmetric = self.symmetric;
+        let [left, right] = &mut self.arms;
+        let arch = Arch::new();
+        let carries = if two {
+            let (a, b) = rayon::join(
+                || arch.dispatch(Eliminate { arms: [Some(left), None], values, symmetric })[0],
+                || arch.dispatch(Eliminate { arms: [None, Some(right)], values, symmetric })[1],
+            );
+            [a, b]
+        } else {
+            arch.dispatch(Eliminate { arms: [Some(left), Some(right)], values, symmetric })
+        };
+        self.finish(carries, values);
+    }
+
+    /// Eliminates the middle node and collects what is left for the interface.
+    fn finish(&mut self, carries: [Carry; 2], values: &[f64]) {
+        for (carry, arm) in carries.iter().zip(&self.arms) {
+            self.suspect |= carry.suspect;
+            if let Some(k) = carry.failed {
+                self.failed = Some(arm.unknown(k));
+                return;
+            }
+        }
+        let mut d = ZERO;
+        for i in 0..N {
+            for j in 0..N {
+                d[i].0[j] = carries[0].diagonal[i].0[j] + carries[1].diagonal[i].0[j];
+            }
+        }
+        for own in &self.middle_own {
+            own.add(&mut d, values);
+        }
+        // The middle node closes both recurrences: one pivoted inverse is cheap insurance.
+        match super::block::invert_pivoted(&d) {
+            Ok(inverse) => self.sides[0].inverse = inverse,
+            Err(i) => {
+                self.failed = Some(self.middle + i);
+                return;
+            }
+        }
+        self.sides[1].inverse = transpose(&self.sides[0].inverse);
+        let m = self.interface.len();
+        self.condensed.fill(0.0);
+        let mut at = 0;
+        for arm in &self.arms {
+            let width = arm.width();
+            for a in 0..width {
+                let (row, column) = (arm.reach_row(a), arm.reach(a));
+                self.sides[0].back[at + a] = combine::<false>(&self.sides[1].inverse, column);
+                self.sides[0].forward[at + a] = combine::<false>(&self.sides[0].inverse, row);
+                for b in 0..width {
+                    self.condensed[(at + a) * m + at + b] = arm.schur[a * width + b];
+                }
+            }
+            at += width;
+        }
+        let mut a = 0;
+        for arm in &self.arms {
+            for local in 0..arm.width() {
+                for b in 0..m {
+                    let mut lane = Row::default();
+                    lane.add_products::<false>(arm.reach_row(local), &self.sides[0].back[b]);
+                    self.condensed[a * m + b] -= lane.sum();
+                }
+                a += 1;
+            }
+        }
+        if !self.symmetric {
+            let [plain, transposed] = &mut self.sides;
+            transposed.forward.copy_from_slice(&plain.back);
+            transposed.back.copy_from_slice(&plain.forward);
+        }
+    }
+
+    fn side(&self, transposed: bool) -> usize {
+        usize::from(transposed && !self.symmetric)
+    }
+
+    /// Carries the right-hand side inwards; the interface's share is in `share`.
+    pub(super) fn forward(&mut self, b: &[f64], transposed: bool, parallel: bool) {
+        let two = self.in_two_threads(parallel);
+        let side = self.side(transposed);
+        let Self { arms: [left, right], .. } = self;
+        left.start(b, transposed);
+        right.start(b, transposed);
+        let arch = Arch::new();
+        let carries = if two {
+            let (a, b) = rayon::join(
+                || arch.dispatch(Sweep::forward([Some(left), None], b, side))[0],
+                || arch.dispatch(Sweep::forward([None, Some(right)], b, side))[1],
+            );
+            [a, b]
+        } else {
+            arch.dispatch(Sweep::forward([Some(left), Some(right)], b, side))
+        };
+        let middle = &self.sides[side];
+        let y = Row::load(&b[self.middle..]).minus(&carries[0]).minus(&carries[1]);
+        self.z = combine::<false>(&self.sides[1 - side].inverse, &y);
+        let mut c = 0;
+        for arm in &self.arms {
+            for a in 0..arm.width() {
+                let mut lanes = arm.shares[a];
+                lanes.add_products::<false>(&middle.forward[c], &y);
+                self.share[c] = arm.cap.forward(b, N + a, transposed) + lanes.sum();
+                c += 1;
+            }
+        }
+    }
+
+    /// Carries the solution outwards, given that of the interface in `interface`.
+    pub(super) fn backward(&mut self, transposed: bool, parallel: bool) {
+        let two = self.in_two_threads(parallel);
+        let side = self.side(transposed);
+        let middle = &self.sides[side];
+        for (c, x) in self.known.iter().enumerate() {
+            self.z.add::<false>(-x, &middle.back[c]);
+        }
+        let z = self.z;
+        let (known_left, known_right) = self.known.split_at(self.arms[0].width());
+        let Self { arms: [left, right], .. } = self;
+        let arch = Arch::new();
+        let known = [known_left, known_right];
+        if two {
+            rayon::join(
+                || arch.dispatch(Sweep::backward([Some(left), None], known, z, side)),
+                || arch.dispatch(Sweep::backward([None, Some(right)], known, z, side)),
+            );
+        } else {
+            arch.dispatch(Sweep::backward([Some(left), Some(right)], known, z, side));
+        }
+        left.stop(&z, known_left, transposed);
+        right.stop(&z, known_right, transposed);
+    }
+
+    /// Solution of number `c` of `interface`, to be set before [`Self::backward`].
+    pub(super) fn set_known(&mut self, solution: impl Fn(usize) -> f64) {
+        for (known, &u) in self.known.iter_mut().zip(&self.interface) {
+            *known = solution(u as usize);
+        }
+    }
+
+    /// Writes the solution of all nodes and caps.
+    pub(super) fn scatter(&self, x: &mut [f64]) {
+        for arm in &self.arms {
+            arm.scatter(x);
+        }
+        x[self.middle..self.middle + N].copy_from_slice(&self.z.0[..N]);
+    }
+}
+
+/// The elimination of one or both arms.
+struct Eliminate<'a> {
+    arms: [Option<&'a mut Arm>; 2],
+    values: &'a [f64],
+    symmetric: bool,
+}
+
+impl WithSimd for Eliminate<'_> {
+    type Output = [Carry; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [Carry; 2] {
+        match (S::IS_SCALAR, self.symmetric) {
+            (false, true) => self.run::<true, true>(),
+            (false, false) => self.run::<true, false>(),
+            (true, true) => self.run::<false, true>(),
+            (true, false) => self.run::<false, false>(),
+        }
+    }
+}
+
+impl Eliminate<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool, const SYMMETRIC: bool>(self) -> [Carry; 2] {
+        let mut carries = [Carry::default(), Carry::default()];
+        let [left, right] = self.arms;
+        match (left, right) {
+            (Some(left), Some(right)) => {
+                carries = [left.first(), right.first()];
+                for k in 0..left.len().max(right.len()) {
+                    if k < left.len() {
+                        left.eliminate::<FMA, SYMMETRIC>(&mut carries[0], k, self.values);
+                    }
+                    if k < right.len() {
+                        right.eliminate::<FMA, SYMMETRIC>(&mut carries[1], k, self.values);
+                    }
+                }
+            }
+            (Some(arm), None) => {
+                carries[0] = arm.first();
+                for k in 0..arm.len() {
+                    arm.eliminate::<FMA, SYMMETRIC>(&mut carries[0], k, self.values);
+                }
+            }
+            (None, Some(arm)) => {
+                carries[1] = arm.first();
+                for k in 0..arm.len() {
+                    arm.eliminate::<FMA, SYMMETRIC>(&mut carries[1], k, self.values);
+                }
+            }
+            (None, None) => {}
+        }
+        carries
+    }
+}
