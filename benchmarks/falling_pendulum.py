@@ -1,9 +1,9 @@
 """A cable pendulum falls: pliant beside Exudyn, at equal element count and at equal error.
 
-The cable (1 m long, radius 5 mm, 10 MPa, 1000 kg/m^3) starts straight, horizontal and at rest, pinned at one end.
-Both programs use the Biot strain, generalized-alpha with spectral radius 0.9, one thread, and count the CPU time of
-the run without assembly. Exudyn runs in its own environment (`make bench-exudyn`) with its 3D element, and with its
-faster planar one.
+The cable (1 m long, radius 5 mm, 10 MPa, 1000 kg/m^3) starts straight, horizontal and at rest, pinned at one
+end. Both programs use the Biot strain, generalized-alpha with spectral radius 0.9, one thread, and count the
+CPU time of the run without assembly. Exudyn runs in its own environment (`make bench-exudyn`) with its 3D
+element, and with its faster planar one.
 
     python benchmarks/falling_pendulum.py --exudyn .venv-exudyn/bin/python
 """
@@ -140,8 +140,8 @@ def equal_size(programs, sizes):
 def equal_error(programs):
     """Return the cheapest trustworthy run below each target, {program: {target: record or None}}.
 
-    A run counts only if all runs of the scan that are finer in both respects are below the target, too: some coarse
-    ones hit it by cancellation of their errors in space and in time.
+    A run counts only if all runs of the scan that are finer in both respects are below the target, too: some
+    coarse ones hit it by cancellation of their errors in space and in time.
     """
     cheapest = {}
     for program in programs:
@@ -180,12 +180,29 @@ def report(by_size, by_error):
             own = ours.get(r["elements"])
             ratio = f"{r['microseconds'] / own['microseconds']:.1f}" if own else "-"
             rows.append(
-                [name, f"{r['elements']}", f"{r['steps']} ({r['steps_taken']})", f"{r['microseconds']:.2f}", ratio,
-                 f"{r['iterations'] / r['steps']:.1f}", f"{r['jacobians']}", f"{r['energy_drift']:.1e}",
-                 f"{r['newton_error']:.0e}"]
-            )  # fmt: skip
-    header = ["program", "elements", "steps (taken)", "us per element and step", "times pliant's",
-              "iterations per step", "Jacobians", "energy drift [J]", "Newton error [m]"]  # fmt: skip
+                [
+                    name,
+                    f"{r['elements']}",
+                    f"{r['steps']} ({r['steps_taken']})",
+                    f"{r['microseconds']:.2f}",
+                    ratio,
+                    f"{r['iterations'] / r['steps']:.1f}",
+                    f"{r['jacobians']}",
+                    f"{r['energy_drift']:.1e}",
+                    f"{r['newton_error']:.0e}",
+                ]
+            )
+    header = [
+        "program",
+        "elements",
+        "steps (taken)",
+        "us per element and step",
+        "times pliant's",
+        "iterations per step",
+        "Jacobians",
+        "energy drift [J]",
+        "Newton error [m]",
+    ]
     parts = ["Equal element count, steps of 1 ms", table(header, rows)]
     rows = []
     for name, by_target in by_error.items():
@@ -195,12 +212,27 @@ def report(by_size, by_error):
                 rows.append([name, f"{target:.0e}", *["-"] * 6])
                 continue
             rows.append(
-                [name, f"{target:.0e}", f"{r['elements']}", f"{1e3 * r['step']:g}", f"{1e3 * r['seconds']:.2f}",
-                 f"{r['seconds'] / own['seconds']:.1f}" if own else "-", f"{r['error']:.1e}",
-                 f"{r['energy_drift']:.1e}"]
-            )  # fmt: skip
-    header = ["program", "error wanted [m]", "elements", "step [ms]", "CPU time [ms]", "times pliant's",
-              "error reached [m]", "energy drift [J]"]  # fmt: skip
+                [
+                    name,
+                    f"{target:.0e}",
+                    f"{r['elements']}",
+                    f"{1e3 * r['step']:g}",
+                    f"{1e3 * r['seconds']:.2f}",
+                    f"{r['seconds'] / own['seconds']:.1f}" if own else "-",
+                    f"{r['error']:.1e}",
+                    f"{r['energy_drift']:.1e}",
+                ]
+            )
+    header = [
+        "program",
+        "error wanted [m]",
+        "elements",
+        "step [ms]",
+        "CPU time [ms]",
+        "times pliant's",
+        "error reached [m]",
+        "energy drift [J]",
+    ]
     parts += ["Equal error of the tip at 0.3 s", table(header, rows)]
     return "\n\n".join(parts) + "\n"
 

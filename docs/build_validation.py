@@ -14,9 +14,10 @@ HERE = Path(__file__).parent
 INTRODUCTION = """\
 # Validation
 
-What `make validate` compared with references that pliant did not produce, at commit {commit}: {passed} of {count}
-comparisons within tolerance. The error is the largest difference, in the quantity's unit. Tolerances come from the
-order of the discretisation; each test states the reason. This page is written by `docs/build_validation.py`.
+What `make validate` compared with references that pliant did not produce, at commit {commit}:
+{passed} of {count} comparisons within tolerance. The error is the largest difference, in the quantity's unit.
+Tolerances come from the order of the discretisation; each test states the reason. This page is written by
+`docs/build_validation.py`.
 """
 
 
@@ -43,8 +44,15 @@ def page(notes: list[dict], commit: str) -> str:
         parts.append("| --- | --- | --- | --- | --- | --- | --- |")
         for note in group:
             error = f"{note['error']:.1e}" + ("" if note["passed"] else " **fails**")
-            cells = [note["name"], note["quantity"], number(note["reference"]), number(note["achieved"]), error,
-                     f"{note['tolerance']:.0e}", note["source"]]  # fmt: skip
+            cells = [
+                note["name"],
+                note["quantity"],
+                number(note["reference"]),
+                number(note["achieved"]),
+                error,
+                f"{note['tolerance']:.0e}",
+                note["source"],
+            ]
             parts.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         parts.append("")
     return "\n".join(parts)

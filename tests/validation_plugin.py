@@ -3,8 +3,9 @@
     def test_catenary_sag(record):
         record("catenary", "sag [m]", reference=sag, achieved=rope_sag, tolerance=1e-5, source="closed form")
 
-``record`` asserts ``|achieved - reference| <= tolerance`` and notes the comparison; ``pytest --validation-report FILE``
-writes the notes as JSON, of failed comparisons, too. ``docs/build_validation.py`` turns them into docs/validation.md.
+``record`` asserts ``|achieved - reference| <= tolerance`` and notes the comparison, also a failed one;
+``pytest --validation-report FILE`` writes the notes as JSON. ``docs/build_validation.py`` turns them into
+docs/validation.md.
 """
 
 import json

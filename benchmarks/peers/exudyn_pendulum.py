@@ -1,22 +1,23 @@
-"""Exudyn's side of falling_pendulum.py: one run in Exudyn's own environment, one JSON line on standard output.
+"""Exudyn's side of falling_pendulum.py: in Exudyn's own environment, one JSON line a run on standard output.
 
-Exudyn is shown at its best: its fast module (no range checks, AVX2), sparse LU, modified Newton, one thread, no
-files, no sensors, gravity as consistent nodal forces (a mass-proportional load is evaluated by every element at
-every iteration), Jacobians kept until Newton contracts badly (its default; a new one each step costs 2.5 times as
-much), its default reduction of steps that fail. Only the run is timed, not the assembly.
+Exudyn is shown at its best: its fast module (no range checks, AVX2), sparse LU, modified Newton, one thread,
+no files, no sensors, gravity as consistent nodal forces (a mass-proportional load is evaluated by every
+element at every iteration), Jacobians kept until Newton contracts badly (its default; a new one each step
+costs 2.5 times as much), its default reduction of steps that fail. Only the run is timed, not the assembly.
 """
 
 import argparse
 import json
 import sys
 import time
+from itertools import pairwise
 
 import numpy as np
 
 sys.exudynFast = True
 
 import exudyn as exu  # noqa: E402
-import exudyn.itemInterface as item  # noqa: E402
+import exudyn.itemInterface as item  # noqa: E402, N813
 
 LENGTH, RADIUS, YOUNGS_MODULUS, DENSITY, GRAVITY = 1.0, 5e-3, 1e7, 1000.0, 9.81
 AREA = np.pi * RADIUS**2
@@ -24,7 +25,7 @@ AXIAL_STIFFNESS = YOUNGS_MODULUS * AREA
 BENDING_STIFFNESS = YOUNGS_MODULUS * np.pi * RADIUS**4 / 4
 MASS_PER_LENGTH = DENSITY * AREA
 
-# Axial and bending points of each element and rule, on [0, 1]: the energy is audited with the rule of the run.
+# Axial and bending points of each rule, on [0, 1]: the energy is audited with the rule of the run.
 LOBATTO_3 = (np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6)
 
 
@@ -33,8 +34,13 @@ def gauss(points):
     return (1 + x) / 2, w / 2
 
 
-RULES = {("3d", 0): (gauss(5), gauss(3)), ("3d", 1): (gauss(4), gauss(2)), ("2d", 0): (gauss(5), gauss(3)),
-         ("2d", 1): (gauss(4), gauss(2)), ("2d", 2): (LOBATTO_3, gauss(2))}  # fmt: skip
+RULES = {
+    ("3d", 0): (gauss(5), gauss(3)),
+    ("3d", 1): (gauss(4), gauss(2)),
+    ("2d", 0): (gauss(5), gauss(3)),
+    ("2d", 1): (gauss(4), gauss(2)),
+    ("2d", 2): (LOBATTO_3, gauss(2)),
+}
 
 
 def build(elements, dimension, rule):
@@ -49,7 +55,7 @@ def build(elements, dimension, rule):
         mbs.AddNode(node_type(referenceCoordinates=[k * h, 0.0, *zero, 1.0, 0.0, *zero]))
         for k in range(elements + 1)
     ]
-    for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+    for a, b in pairwise(nodes):
         mbs.AddObject(
             cable_type(
                 length=h,
