@@ -1,0 +1,69 @@
+"""Dynamics of soft machines: cables by the absolute nodal coordinate formulation and generalized-alpha.
+
+>>> import pliant as pl
+>>> model = pl.Model(gravity=(0, 0, -9.81))
+>>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+>>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=8, section=pl.Circle(radius=5e-3), material=rubber)
+>>> pin = model.pin(rope.start)
+>>> result = pl.simulate(model, duration=0.1, step=1e-3)
+>>> result.track(rope.end).position.shape
+(101, 3)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pliant.curves import Curve
+from pliant.errors import ConvergenceError, FileError, ModelError
+from pliant.materials import LinearElastic, SaintVenantKirchhoff, youngs_modulus_from_shore_a
+from pliant.model import Model
+from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass
+from pliant.result import Result
+from pliant.sections import Circle, Rectangle, Section, Tube
+from pliant.signals import Ramp, Table
+from pliant.simulation import Modes, simulate, solve_modes, solve_static
+
+if TYPE_CHECKING:
+    from pliant import scenes
+
+__all__ = [
+    "Cable",
+    "CableNet",
+    "Circle",
+    "ConvergenceError",
+    "Curve",
+    "FileError",
+    "Joint",
+    "LinearElastic",
+    "Load",
+    "Model",
+    "ModelError",
+    "Modes",
+    "Point",
+    "PointMass",
+    "Ramp",
+    "Rectangle",
+    "Result",
+    "SaintVenantKirchhoff",
+    "Section",
+    "Table",
+    "Tube",
+    "scenes",
+    "simulate",
+    "solve_modes",
+    "solve_static",
+    "youngs_modulus_from_shore_a",
+]
+
+
+def __getattr__(name: str) -> object:
+    import importlib
+
+    if name == "scenes":
+        return importlib.import_module("pliant.scenes")
+    if name == "__version__":
+        from pliant import _core
+
+        return _core.__version__
+    raise AttributeError(f"module 'pliant' has no attribute '{name}'")

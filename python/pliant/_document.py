@@ -1,0 +1,70 @@
+"""Models as JSON documents."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from pliant.bodies import LineBody, MassBody
+from pliant.errors import ModelError
+from pliant.joints import Clamp, Pin
+from pliant.loads import Force, LineLoad, Moment
+from pliant.points import Point, WorldPoint
+from pliant.signals import Combination, Constant, Function, LostFunction, Ramp, Table
+
+VERSION = 1
+KINDS: Mapping[str, type[Any]] = {
+    kind.__name__: kind
+    for kind in (
+        LineBody,
+        MassBody,
+        Pin,
+        Clamp,
+        Force,
+        Moment,
+        LineLoad,
+        Point,
+        WorldPoint,
+        Constant,
+        Table,
+        Ramp,
+        Combination,
+        LostFunction,
+    )
+}
+
+
+def encode(value: Any, place: str, keep_functions: bool = True) -> Any:
+    """Write a value as JSON; callables are refused naming the place, or left out where ``keep_functions`` is off."""
+    if isinstance(value, Function):
+        if keep_functions:
+            raise ModelError(
+                f"{place}: a Python callable cannot be saved; pliant.Table.sample(function, times) makes a table of it"
+            )
+        return {"kind": "LostFunction", "components": value.components}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {
+            field.name: encode(getattr(value, field.name), place, keep_functions)
+            for field in dataclasses.fields(value)
+        }
+        return {"kind": type(value).__name__, **fields}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [encode(item, place, keep_functions) for item in value]
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise ModelError(f"{place}: {type(value).__name__} cannot be saved")
+
+
+def decode(value: Any) -> Any:
+    """Read what :func:`encode` wrote; KeyError, TypeError or ValueError where it is something else."""
+    if isinstance(value, dict):
+        fields = {name: decode(item) for name, item in value.items() if name != "kind"}
+        return KINDS[value["kind"]](**fields)
+    if isinstance(value, list):
+        return [decode(item) for item in value]
+    return value

@@ -1,0 +1,61 @@
+"""A model printed as a table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pliant.bodies import LineBody
+from pliant.joints import Pin
+from pliant.loads import Force, LineLoad
+from pliant.signals import Constant, Signal
+
+if TYPE_CHECKING:
+    from pliant.model import Model
+
+
+def describe(model: Model) -> str:
+    """Bodies, joints and loads of a model, one a line."""
+    from pliant._lower import lower
+
+    lowered = lower(model)
+    rows: list[tuple[str, str, str]] = []
+    for name, body in model._bodies.items():
+        if isinstance(body, LineBody):
+            what = "cable" if body.kind == "cable" else f"net of {len(body.strands)} cables"
+            mass = body.lengths * np.broadcast_to(
+                body.mass_per_length if body.mass_per_length.ndim == 1 else body.mass_per_length[:, 2],
+                body.lengths.shape,
+            )
+            text = f"{body.elements} elements, {body.lengths.sum():.6g} m, {mass.sum():.4g} kg, section {body.section}"
+            rows.append((name, what, text))
+        else:
+            rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))
+    for name, joint in model._joints.items():
+        text = f"{joint.a} to {joint.b}" if isinstance(joint, Pin) else str(joint.a)
+        how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": ""}[
+            lowered.plan[name]["kind"]
+        ]
+        rows.append((name, type(joint).__name__.lower(), text + (f" ({how})" if how else "")))
+    for name, load in model._loads.items():
+        if isinstance(load, LineLoad):
+            rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))
+        elif isinstance(load, Force):
+            rows.append(
+                (name, "follower force" if load.follower else "force", f"{_value(load.value)} N at {load.at}")
+            )
+        else:
+            rows.append((name, "moment", f"{_value(load.value)} N m at {load.at}"))
+    widths = [max((len(row[k]) for row in rows), default=0) for k in (0, 1)]
+    head = (
+        f"Model: gravity ({', '.join(f'{g:g}' for g in model.gravity)}) m/s^2, "
+        f"{lowered.coordinates} coordinates, {lowered.multipliers} constraints"
+    )
+    return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
+
+
+def _value(signal: Signal) -> str:
+    if isinstance(signal, Constant):
+        return f"({', '.join(f'{x:g}' for x in signal.value)})"
+    return type(signal).__name__.lower() + " of time"

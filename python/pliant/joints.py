@@ -1,0 +1,30 @@
+"""Joints: what a model keeps of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pliant.points import Point, WorldPoint
+
+__all__ = ["Clamp", "JointData", "Pin"]
+
+
+@dataclass(frozen=True)
+class Pin:
+    """Two points coincide; ``here``: the second is where the first starts."""
+
+    name: str
+    a: Point
+    b: Point | WorldPoint
+    here: bool = False
+
+
+@dataclass(frozen=True)
+class Clamp:
+    """A point of a cable keeps its position and the direction of its tangent."""
+
+    name: str
+    a: Point
+
+
+JointData = Pin | Clamp

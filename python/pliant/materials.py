@@ -1,0 +1,96 @@
+"""Laws of materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pliant import _check
+
+__all__ = ["LinearElastic", "Material", "SaintVenantKirchhoff", "youngs_modulus_from_shore_a"]
+
+
+@dataclass(frozen=True)
+class Material:
+    """What every material has; use one of the laws below."""
+
+    youngs_modulus: float
+    poisson_ratio: float
+    density: float
+    retardation_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            ("youngs_modulus", _check.number(self.youngs_modulus, "youngs_modulus", above=0)),
+            ("poisson_ratio", _check.number(self.poisson_ratio, "poisson_ratio", above=-1, below=0.5)),
+            ("density", _check.number(self.density, "density", above=0)),
+            ("retardation_time", _check.number(self.retardation_time, "retardation_time", at_least=0)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+
+@dataclass(frozen=True)
+class LinearElastic(Material):
+    """Linear elastic material.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        Young's modulus [Pa], above 0.
+    poisson_ratio : float
+        Poisson's ratio, above -1 and below 0.5.
+    density : float
+        Mass per volume [kg/m^3], above 0.
+    retardation_time : float
+        Kelvin-Voigt damping: stress is E (strain + retardation_time * strain rate) [s].
+
+    Examples
+    --------
+    >>> rubber = LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+    >>> round(rubber.shear_modulus)
+    3448276
+    """
+
+
+@dataclass(frozen=True)
+class SaintVenantKirchhoff(Material):
+    """Saint Venant-Kirchhoff material: stress linear in the Green-Lagrange strain.
+
+    Same parameters as :class:`LinearElastic`. On cables both are the same law: there ``strain`` decides.
+
+    Examples
+    --------
+    >>> SaintVenantKirchhoff(youngs_modulus=2e9, poisson_ratio=0.3, density=1400.0).density
+    1400.0
+    """
+
+
+def youngs_modulus_from_shore_a(hardness: float) -> float:
+    """Young's modulus [Pa] of a rubber from its Shore A hardness, by Gent's relation.
+
+    Parameters
+    ----------
+    hardness : float
+        Shore A hardness (durometer reading), above 0 and below 100; the relation is good from 20 to 80.
+
+    Returns
+    -------
+    float
+        Young's modulus at small strain [Pa].
+
+    Notes
+    -----
+    A. N. Gent, Rubber Chemistry and Technology 31 (1958) 896: the relation of a linear elastic half-space under
+    the frustum of the durometer, E = 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa.
+
+    Examples
+    --------
+    >>> round(youngs_modulus_from_shore_a(30) / 1e6, 2)
+    1.14
+    """
+    s = _check.number(hardness, "hardness", above=0, below=100)
+    return 0.0981e6 * (56.0 + 7.62336 * s) / (0.137505 * (254.0 - 2.54 * s))

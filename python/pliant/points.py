@@ -1,0 +1,174 @@
+"""Handles: what ``add_*`` returns, and the material points that joints, loads and tracks take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pliant import _check
+from pliant.errors import ModelError
+
+if TYPE_CHECKING:
+    from pliant.bodies import LineBody
+
+__all__ = ["Cable", "CableNet", "Handle", "Joint", "Load", "Point", "PointMass", "WorldPoint"]
+
+
+@dataclass(frozen=True)
+class Point:
+    """A material point of a body. Made by handles: ``rope.end``, ``rope.at(0.3)``, ``net.node(5)``.
+
+    Attributes
+    ----------
+    identity : str
+        Identity of the model.
+    body : str
+        Name of the body.
+    element : int
+        Element that holds the point, counted through the body.
+    xi : float
+        Place in the element, 0 to 1.
+    node : int or None
+        Number of the node, if the point is one.
+    """
+
+    identity: str
+    body: str
+    element: int
+    xi: float
+    node: int | None = None
+
+    def __str__(self) -> str:
+        place = f"node {self.node}" if self.node is not None else f"element {self.element} at {self.xi:.6g}"
+        return f"{self.body}, {place}"
+
+
+@dataclass(frozen=True)
+class WorldPoint:
+    """A point fixed in the world [m]."""
+
+    position: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        x, y, z = (float(c) for c in _check.vector(self.position, "position"))
+        object.__setattr__(self, "position", (x, y, z))
+
+    def __str__(self) -> str:
+        return "world ({:.6g}, {:.6g}, {:.6g})".format(*self.position)
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A name in a model and the model's identity, which copies, files and results keep."""
+
+    name: str
+    identity: str
+
+
+@dataclass(frozen=True)
+class Joint(Handle):
+    """A joint of a model; ``result.reaction(joint)`` tells its force."""
+
+
+@dataclass(frozen=True)
+class Load(Handle):
+    """A load of a model."""
+
+
+@dataclass(frozen=True)
+class _LineHandle(Handle):
+    _body: LineBody
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Handle) and (self.name, self.identity) == (other.name, other.identity)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.identity))
+
+    def node(self, i: int) -> Point:
+        """Node ``i``, counted from 0; negative numbers count from the end.
+
+        Parameters
+        ----------
+        i : int
+            Number of the node; row ``i`` of ``result.positions(body)``. In a net, the first are its points.
+        """
+        n = self._body.nodes
+        i = _check.count(i, "i", at_least=-n, at_most=n - 1)
+        return self._body.node_point(self.identity, i % n)
+
+
+class Cable(_LineHandle):
+    """A cable of a model.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> model = pl.Model()
+    >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+    >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=pl.Circle(radius=5e-3), material=rubber)
+    >>> print(rope.end, "|", rope.at(0.6))
+    cable1, node 4 | cable1, element 2 at 0.4
+    """
+
+    @property
+    def start(self) -> Point:
+        """First end."""
+        return self.node(0)
+
+    @property
+    def end(self) -> Point:
+        """Last end (of a closed cable: the first)."""
+        return self.node(0 if self._body.closed else -1)
+
+    @property
+    def length(self) -> float:
+        """Stress-free length [m]."""
+        return float(self._body.lengths.sum())
+
+    def at(self, s: float) -> Point:
+        """Point at an arc length of the stress-free line.
+
+        Parameters
+        ----------
+        s : float
+            Arc length from the start [m], from 0 to ``length``.
+        """
+        ends = np.concatenate([[0.0], np.cumsum(self._body.lengths)])
+        total = float(ends[-1])
+        s = _check.number(s, "s", at_least=0, at_most=total * (1 + 1e-12))
+        element = min(max(int(np.searchsorted(ends, s, side="right")) - 1, 0), len(ends) - 2)
+        xi = float((s - ends[element]) / self._body.lengths[element])
+        for end in (0, 1):
+            if abs(xi - end) < 1e-9:
+                return self.node(int(self._body.node_of(element, end)))
+        return Point(self.identity, self.name, element, xi)
+
+
+class CableNet(_LineHandle):
+    """A net of cables; ``net.node(i)`` is ``points[i]``."""
+
+
+@dataclass(frozen=True)
+class PointMass(Handle):
+    """A lumped mass."""
+
+    _center: Point
+
+    @property
+    def center(self) -> Point:
+        """The point where the mass sits."""
+        return self._center
+
+
+def require_handle(value: object, name: str, identity: str) -> None:
+    """Refuse handles and points of other models."""
+    if isinstance(value, (Handle, Point)) and value.identity != identity:
+        raise ModelError(
+            f"{name} = {value}: belongs to another model; take the handle of this one: model[name] gives it"
+        )
