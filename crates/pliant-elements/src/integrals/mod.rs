@@ -1,0 +1,3 @@
+//! Integrals that are computed once, when a block is built.
+
+pub(crate) mod cable;

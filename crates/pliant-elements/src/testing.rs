@@ -1,0 +1,29 @@
+//! Access for tests to what the assembly never needs: energies and forces of single elements over dual numbers.
+
+use pliant_math::Dual;
+
+use crate::block::CableBlock;
+
+/// Elastic energy of element `e` at local coordinates.
+#[must_use]
+pub fn energy(block: &CableBlock, e: usize, q: &[f64; 12]) -> f64 {
+    block.local_energy(e, q)
+}
+
+/// Elastic energy of element `e` with its derivative along the dual parts of the local coordinates.
+#[must_use]
+pub fn energy_dual(block: &CableBlock, e: usize, q: &[Dual; 12]) -> Dual {
+    block.local_energy(e, q)
+}
+
+/// Internal force of element `e` at local coordinates and velocities.
+#[must_use]
+pub fn force(block: &CableBlock, e: usize, q: &[f64; 12], v: &[f64; 12]) -> [f64; 12] {
+    block.local_force(e, q, v)
+}
+
+/// Internal force of element `e` with its derivative along the dual parts.
+#[must_use]
+pub fn force_dual(block: &CableBlock, e: usize, q: &[Dual; 12], v: &[Dual; 12]) -> [Dual; 12] {
+    block.local_force(e, q, v)
+}
