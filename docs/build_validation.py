@@ -22,39 +22,36 @@ Tolerances come from the order of the discretisation; each test states the reaso
 
 
 def number(value: object) -> str:
-    """Return a reference or a result as text: a number, or the shape of an array too long to show."""
-    if isinstance(value, list):
-        flat = json.dumps(value)
-        return (
-            "(" + ", ".join(number(x) for x in value) + ")"
-            if len(value) <= 3 and "[[" not in flat
-            else "array"
-        )
-    return f"{value:.8g}"
+    """Return a reference or a result as text: numbers, or the size of an array too long to show."""
+    if not isinstance(value, list):
+        return f"{value:.8g}"
+    if len(value) <= 3 and not any(isinstance(x, list) for x in value):
+        return "(" + ", ".join(map(number, value)) + ")"
+    return f"{len(value)} rows"
 
 
 def page(notes: list[dict], commit: str) -> str:
     """Return the page as Markdown."""
-    parts = [
-        INTRODUCTION.format(commit=commit, passed=sum(note["passed"] for note in notes), count=len(notes))
-    ]
+    passed = sum(note["passed"] for note in notes)
+    parts = [INTRODUCTION.format(commit=commit, passed=passed, count=len(notes))]
     for test_file, group in groupby(notes, key=lambda note: note["test"].split("::")[0]):
-        parts.append(f"## {test_file}\n")
-        parts.append("| case | quantity | reference | achieved | error | tolerance | source |")
-        parts.append("| --- | --- | --- | --- | --- | --- | --- |")
+        group = list(group)
+        parts += [f"## {Path(test_file).stem.removeprefix('test_').replace('_', ' ').capitalize()}\n"]
+        parts += [f"{group[0]['about']} (`{test_file}`)\n"]
+        parts += ["| quantity | reference | achieved | error | tolerance | unit | source |"]
+        parts += ["| --- | --- | --- | --- | --- | --- | --- |"]
         for note in group:
-            error = f"{note['error']:.1e}" + ("" if note["passed"] else " **fails**")
             cells = [
                 note["name"],
-                note["quantity"],
                 number(note["reference"]),
                 number(note["achieved"]),
-                error,
-                f"{note['tolerance']:.0e}",
+                f"{note['error']:.1e}" + ("" if note["passed"] else " **fails**"),
+                f"{note['tolerance']:.1e}",
+                note["unit"],
                 note["source"],
             ]
-            parts.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-        parts.append("")
+            parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"]
+        parts += [""]
     return "\n".join(parts)
 
 

@@ -1,11 +1,11 @@
 """The fixture ``record``: a verification test hands in what it compared, the run leaves a validation report.
 
-    def test_catenary_sag(record):
-        record("catenary", "sag [m]", reference=sag, achieved=rope_sag, tolerance=1e-5, source="closed form")
+    def test_sag(record):
+        assert record("catenary, sag", sag, 3.0, 4e-5, unit="m", source="closed form")
 
-``record`` asserts ``|achieved - reference| <= tolerance`` and notes the comparison, also a failed one;
-``pytest --validation-report FILE`` writes the notes as JSON. ``docs/build_validation.py`` turns them into
-docs/validation.md.
+``record`` notes the comparison ``|achieved - reference| <= tolerance`` and fails, saying by how much, if it does not
+hold. ``pytest --validation-report FILE`` writes the notes as JSON, those of failed comparisons, too;
+``docs/build_validation.py`` turns them into docs/validation.md.
 """
 
 import json
@@ -27,33 +27,35 @@ def pytest_configure(config):
 
 @pytest.fixture
 def record(request):
-    """Compare a quantity with its reference, note it for the report, and fail where it is out of tolerance.
+    """Return the function that compares a quantity with its reference and notes it for the report.
 
-    ``reference`` and ``achieved`` are numbers or arrays of one shape, compared in the largest difference;
-    ``tolerance`` is absolute, in the quantity's unit; ``source`` says where the reference comes from.
+    ``achieved`` and ``reference`` are numbers or arrays of one shape, compared in the largest difference;
+    ``tolerance`` is absolute, in the quantity's ``unit``; ``source`` says where the reference comes from, where the
+    test's file does not.
     """
 
-    def compare(name, quantity, reference, achieved, tolerance, source):
+    def compare(name, achieved, reference, tolerance, unit="", source=""):
         difference = np.abs(np.asarray(achieved, float) - np.asarray(reference, float))
         error = float(np.max(difference))
         passed = bool(np.all(difference <= tolerance))  # not a number never passes
         request.config.stash[NOTES].append(
             {
                 "name": name,
-                "quantity": quantity,
-                "reference": np.asarray(reference, float).tolist(),
                 "achieved": np.asarray(achieved, float).tolist(),
+                "reference": np.asarray(reference, float).tolist(),
                 "error": error,
-                "tolerance": float(tolerance),
+                "tolerance": float(np.max(tolerance)),
+                "unit": unit,
                 "source": source,
                 "passed": passed,
                 "test": request.node.nodeid,
+                "about": (request.module.__doc__ or "").strip().split("\n")[0],
             }
         )
         assert passed, (
-            f"{name}, {quantity}: {achieved} instead of {reference} ({source}): "
-            f"off by {error:.3g}, allowed {tolerance:.3g}"
+            f"{name}: {achieved} instead of {reference}, off by {error:.3g} {unit}, allowed {tolerance:.3g}"
         )
+        return passed
 
     return compare
 
@@ -63,5 +65,4 @@ def pytest_sessionfinish(session):
     if path:
         target = Path(path)
         target.parent.mkdir(parents=True, exist_ok=True)
-        notes = sorted(session.config.stash[NOTES], key=lambda note: (note["test"], note["quantity"]))
-        target.write_text(json.dumps(notes, indent=1) + "\n")
+        target.write_text(json.dumps(session.config.stash[NOTES], indent=1) + "\n")

@@ -20,7 +20,7 @@ def unlisted(request):
 
 
 def test_comparison_within_tolerance_is_noted(record, unlisted):
-    record("circle", "area", reference=math.pi, achieved=3.1416, tolerance=1e-5, source="closed form")
+    assert record("area of a circle", 3.1416, math.pi, 1e-5, unit="m^2", source="closed form")
     (note,) = unlisted()
     assert note["passed"]
     assert note["error"] == pytest.approx(3.1416 - math.pi)
@@ -28,8 +28,8 @@ def test_comparison_within_tolerance_is_noted(record, unlisted):
 
 @pytest.mark.parametrize("achieved", [3.2, math.nan, [math.pi, 3.2], [math.nan, math.pi]])
 def test_comparison_out_of_tolerance_fails_and_is_noted(record, unlisted, achieved):
-    with pytest.raises(AssertionError, match="circle, area"):
-        record("circle", "area", reference=math.pi, achieved=achieved, tolerance=1e-2, source="closed form")
+    with pytest.raises(AssertionError, match="area of a circle"):
+        record("area of a circle", achieved, math.pi, 1e-2)
     assert not unlisted()[0]["passed"]
 
 
@@ -37,8 +37,19 @@ def test_page_shows_every_comparison():
     spec = importlib.util.spec_from_file_location("build_validation", DOCS / "build_validation.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    note = {"name": "circle", "quantity": "area", "reference": [1.0, 2.0], "achieved": 2.0, "error": 1.0,
-            "tolerance": 0.5, "source": "a | b", "passed": False, "test": "tests/x.py::test_y"}  # fmt: skip
+    note = {
+        "name": "area",
+        "reference": [1.0, 2.0],
+        "achieved": 2.0,
+        "error": 1.0,
+        "tolerance": 0.5,
+        "unit": "m^2",
+        "source": "a | b",
+        "passed": False,
+        "test": "tests/x/test_circle.py::test_y",
+        "about": "Circles.",
+    }
     text = script.page([note], "abc1234")
     assert "0 of 1" in text
-    assert "| circle | area | (1, 2) | 2 | 1.0e+00 **fails** | 5e-01 | a \\| b |" in text
+    assert "## Circle\n\nCircles. (`tests/x/test_circle.py`)" in text.replace("\n\n\n", "\n\n")
+    assert "| area | (1, 2) | 2 | 1.0e+00 **fails** | 5.0e-01 | m^2 | a \\| b |" in text
