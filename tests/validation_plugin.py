@@ -3,8 +3,8 @@
     def test_sag(record):
         assert record("catenary, sag", sag, 3.0, 4e-5, unit="m", source="closed form")
 
-``record`` notes the comparison ``|achieved - reference| <= tolerance`` and fails, saying by how much, if it does not
-hold. ``pytest --validation-report FILE`` writes the notes as JSON, those of failed comparisons, too;
+``record`` notes the comparison ``|achieved - reference| <= tolerance`` and fails, saying by how much, if it
+does not hold. ``pytest --validation-report FILE`` writes the notes as JSON, those of failed comparisons, too;
 ``docs/build_validation.py`` turns them into docs/validation.md.
 """
 
@@ -30,8 +30,8 @@ def record(request):
     """Return the function that compares a quantity with its reference and notes it for the report.
 
     ``achieved`` and ``reference`` are numbers or arrays of one shape, compared in the largest difference;
-    ``tolerance`` is absolute, in the quantity's ``unit``; ``source`` says where the reference comes from, where the
-    test's file does not.
+    ``tolerance`` is absolute, in the quantity's ``unit``; ``source`` says where the reference comes from,
+    where the test's file does not.
     """
 
     def compare(name, achieved, reference, tolerance, unit="", source=""):
