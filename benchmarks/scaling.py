@@ -1,7 +1,7 @@
 """Cost against size: time and memory of a falling cable from 10^3 to 10^6 coordinates.
 
-A pinned cable falls for a few steps. Each size runs in its own process, so that its peak memory is its own. The
-exponents are slopes of least squares in logarithms; 1 means proportional to size. The target is 1.05.
+A pinned cable falls for a few steps. Each size runs in its own process, so that its peak memory is its own.
+The exponents are slopes of least squares in logarithms; 1 means proportional to size. The target is 1.05.
 
     python benchmarks/scaling.py --largest 1000000
 """
@@ -91,9 +91,8 @@ def main():
     )
     if len(large) > 1:
         extra = [max(r["memory"] - base["memory"], 1.0) for r in large]
-        print(
-            f"exponent of memory beyond the smallest model {slope([r['coordinates'] for r in large], extra):.3f}"
-        )
+        exponent = slope([r["coordinates"] for r in large], extra)
+        print(f"exponent of memory beyond the smallest model {exponent:.3f}")
 
 
 if __name__ == "__main__":
