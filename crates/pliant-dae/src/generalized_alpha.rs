@@ -54,6 +54,8 @@ pub struct FactorPoint {
     pub a: Vec<f64>,
     /// Multipliers.
     pub lambda_: Vec<f64>,
+    /// Rounding errors of the coordinates there, in units of the scale.
+    pub floor: f64,
     /// How much it has been used.
     pub age: FactorAge,
 }
@@ -384,6 +386,7 @@ impl<P: Problem> Integrator<P> {
             self.factor(h, watch)?;
         }
         loop {
+            let floor = self.state.factor.floor;
             watch.lap(&mut self.statistics.seconds.other);
             let phi = self.residual(h, watch)?;
             self.solver.solve(&mut self.work.x);
@@ -391,12 +394,12 @@ impl<P: Problem> Integrator<P> {
             let size = self.update(h);
             self.statistics.newton_iterations += 1;
             self.state.factor.age.iterations += 1;
-            let mut verdict = self.work.monitor.judge(size, phi, &self.options.newton);
+            let mut verdict = self.work.monitor.judge(size, phi, floor, &self.options.newton);
             if verdict == Verdict::Stalled {
                 verdict = if self.is_rounding_noise(size)? {
                     Verdict::Converged
                 } else {
-                    self.work.monitor.after_stall(&self.options.newton)
+                    self.work.monitor.after_stall(floor, &self.options.newton)
                 };
             }
             match verdict {
@@ -511,6 +514,13 @@ impl<P: Problem> Integrator<P> {
         kept.lambda_.clone_from(&next.lambda_);
         kept.age = FactorAge::default();
         kept.h = h;
+        let weight = &self.work.inverse_scale;
+        let coordinates = if self.problem.is_flat() {
+            weighted_max(&next.q, weight)
+        } else {
+            largest(&next.q) * largest(weight)
+        };
+        kept.floor = 8.0 * f64::EPSILON * coordinates.max(1.0);
         let outcome = self.rebuild_factor();
         if outcome.is_err() {
             self.state.factor.h = 0.0;
@@ -551,10 +561,8 @@ impl<P: Problem> Integrator<P> {
         let zero = &self.work.zero;
         let (a, lambda_) = (&zero[..next.v.len()], &zero[..next.lambda_.len()]);
         let forces = evaluate(Point { a, lambda_, ..next.point() }, phi)?;
-        let finest = self.work.inverse_scale.iter().fold(0.0_f64, |m, &w| m.max(w));
-        let coordinates = (largest(&next.q) * finest).max(1.0);
         Ok(gap <= self.options.newton.constraint_tolerance
-            && (size <= 64.0 * f64::EPSILON * coordinates || rest <= 1e-12 * forces))
+            && (size <= 8.0 * self.state.factor.floor || rest <= 1e-12 * forces))
     }
 
     /// The error of an iteration that was given up.

@@ -35,6 +35,10 @@ pub(crate) enum Verdict {
 /// Contraction above which the matrix is renewed inside a step. Larger values make long chains take tens of
 /// iterations now and then.
 const SLOW: f64 = 0.5;
+/// Part of the first increment that may be left over.
+const REDUCTION: f64 = 1e-6;
+/// Rounding errors of constraints, in units of their scale.
+const PHI_FLOOR: f64 = 1e-14;
 /// Successive increments without contraction after which a step has failed.
 const MAX_GROWTHS: usize = 4;
 /// Increments (in units of the scale) beyond any sense.
@@ -48,12 +52,13 @@ const ABSURD: f64 = 1e8;
 pub(crate) struct Monitor {
     /// Sizes of the increments so far.
     pub(crate) increments: Vec<f64>,
+    first_phi: f64,
     growths: usize,
 }
 
 impl Monitor {
     pub(crate) fn with_capacity(iterations: usize) -> Self {
-        Self { increments: Vec::with_capacity(iterations), growths: 0 }
+        Self { increments: Vec::with_capacity(iterations), ..Self::default() }
     }
 
     /// Begins a step.
@@ -62,26 +67,39 @@ impl Monitor {
         self.growths = 0;
     }
 
-    /// Judges an iteration by the size of its increment and of the constraint residual that it answers.
-    pub(crate) fn judge(&mut self, size: f64, phi: f64, options: &NewtonOptions) -> Verdict {
+    /// Judges an iteration by the size of its increment and of the constraint residual that it answers; `floor` is
+    /// the size of rounding errors.
+    pub(crate) fn judge(
+        &mut self,
+        size: f64,
+        phi: f64,
+        floor: f64,
+        options: &NewtonOptions,
+    ) -> Verdict {
         let previous = self.increments.last().copied();
         self.increments.push(size);
-        let tolerance = options.tolerance;
-        if size <= 0.01 * tolerance && phi <= options.constraint_tolerance {
+        if previous.is_none() {
+            self.first_phi = phi;
+        }
+        let phi_target =
+            options.constraint_tolerance.min(REDUCTION * self.first_phi).max(PHI_FLOOR);
+        let settled = phi <= phi_target;
+        let target = self.target(floor, options);
+        if settled && (size <= floor || previous.is_some() && size <= 0.01 * target) {
             return Verdict::Converged;
         }
         let theta = previous.map_or(0.0, |p| size / p);
-        let slow = theta > SLOW;
         if previous.is_some() && theta < 1.0 {
             // The errors left over are geometric series of what this iteration has corrected.
             let rest = theta / (1.0 - theta);
-            if rest * size <= tolerance && rest * phi <= options.constraint_tolerance {
+            if rest * size <= target && rest * phi <= phi_target {
                 return Verdict::Converged;
             }
         }
         self.growths = if theta >= 1.0 { self.growths + 1 } else { 0 };
+        let slow = theta > SLOW;
         let exhausted = self.increments.len() >= options.max_iterations;
-        if slow && (size <= 100.0 * tolerance || exhausted) {
+        if slow && (size <= 100.0 * target || exhausted) {
             return Verdict::Stalled;
         }
         if exhausted || self.growths >= MAX_GROWTHS || size.is_nan() || size > ABSURD {
@@ -90,12 +108,24 @@ impl Monitor {
         if slow { Verdict::Refactor } else { Verdict::Continue }
     }
 
+    /// Error to be reached: the tolerance, but never more than a small part of the first increment, which
+    /// measures the acceleration's change within the step. Errors of increments enter accelerations divided by
+    /// `beta h^2`: with a fixed bound they would outgrow those of the scheme as the step is refined.
+    fn target(&self, floor: f64, options: &NewtonOptions) -> f64 {
+        let first = self.increments.first().copied().unwrap_or(f64::INFINITY);
+        options.tolerance.min(REDUCTION * first).max(floor)
+    }
+
     /// What to do when a stall was not rounding noise.
-    pub(crate) fn after_stall(&self, options: &NewtonOptions) -> Verdict {
+    pub(crate) fn after_stall(&self, floor: f64, options: &NewtonOptions) -> Verdict {
         let exhausted = self.increments.len() >= options.max_iterations;
         if exhausted || self.growths >= MAX_GROWTHS {
             Verdict::Failed
-        } else if self.increments.last().is_some_and(|&size| size > 10.0 * options.tolerance) {
+        } else if self
+            .increments
+            .last()
+            .is_some_and(|&size| size > 10.0 * self.target(floor, options))
+        {
             Verdict::Refactor
         } else {
             Verdict::Continue
