@@ -3,7 +3,8 @@
 >>> import pliant as pl
 >>> model = pl.Model(gravity=(0, 0, -9.81))
 >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
->>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=8, section=pl.Circle(radius=5e-3), material=rubber)
+>>> round_bar = pl.Circle(radius=5e-3)
+>>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=8, section=round_bar, material=rubber)
 >>> pin = model.pin(rope.start)
 >>> result = pl.simulate(model, duration=0.1, step=1e-3)
 >>> result.track(rope.end).position.shape

@@ -1,4 +1,4 @@
-"""Checks of arguments: each returns the clean value or raises a ModelError that names argument, value and remedy."""
+"""Checks of arguments: each returns the clean value or raises a ModelError that names argument and remedy."""
 
 from __future__ import annotations
 

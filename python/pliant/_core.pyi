@@ -136,10 +136,9 @@ class Integrator:
     def statistics(self) -> dict[str, Any]:
         """Counters ``steps``, ``rejected``, ``newton_iterations``, ``factorizations`` and ``seconds`` by part."""
 
-def cable_element(
-    law: str, parameters: str, q: FloatArray, v: FloatArray, a: FloatArray
-) -> dict[str, FloatArray]:
-    """One cable element for tests and teaching: ``energy``, ``force`` (12,), ``tangent``, ``damping``, ``mass``
-    (12, 12). ``law`` and ``parameters`` are JSON documents like those of a cable in a model document."""
+def cable_element(cable: str, q: FloatArray, v: FloatArray) -> dict[str, Any]:
+    """One cable element for tests and teaching: ``energy`` [J], ``force`` (12,), ``tangent`` (elastic),
+    ``damping`` and ``mass`` (12, 12) at coordinates (r1, t1, r2, t2) and their rates. ``cable`` is a JSON document
+    like that of a cable of one element in a model document, with its arrays inside."""
 
 __version__: str

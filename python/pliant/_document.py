@@ -38,19 +38,20 @@ KINDS: Mapping[str, type[Any]] = {
 
 
 def encode(value: Any, place: str, keep_functions: bool = True) -> Any:
-    """Write a value as JSON; callables are refused naming the place, or left out where ``keep_functions`` is off."""
+    """Write a value as JSON; refuses callables, or leaves markers where ``keep_functions`` is off."""
     if isinstance(value, Function):
         if keep_functions:
             raise ModelError(
-                f"{place}: a Python callable cannot be saved; pliant.Table.sample(function, times) makes a table of it"
+                f"{place}: a Python callable cannot be saved; "
+                "pliant.Table.sample(function, times) makes a table of it"
             )
-        return {"kind": "LostFunction", "components": value.components}
+        return {"type": "LostFunction", "components": value.components}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         fields = {
             field.name: encode(getattr(value, field.name), place, keep_functions)
             for field in dataclasses.fields(value)
         }
-        return {"kind": type(value).__name__, **fields}
+        return {"type": type(value).__name__, **fields}
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -63,8 +64,8 @@ def encode(value: Any, place: str, keep_functions: bool = True) -> Any:
 def decode(value: Any) -> Any:
     """Read what :func:`encode` wrote; KeyError, TypeError or ValueError where it is something else."""
     if isinstance(value, dict):
-        fields = {name: decode(item) for name, item in value.items() if name != "kind"}
-        return KINDS[value["kind"]](**fields)
+        fields = {name: decode(item) for name, item in value.items() if name != "type"}
+        return KINDS[value["type"]](**fields)
     if isinstance(value, list):
         return [decode(item) for item in value]
     return value

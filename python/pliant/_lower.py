@@ -58,8 +58,8 @@ class Lowered:
     cables, shared : dict
         Number of the cable of each line body; number of the shared point of each free mass.
     plan : dict
-        How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}`` with what
-        acts on the first body's side, or ``{"kind": "redundant"}``.
+        How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}``
+        with what acts on the first body's side, or ``{"kind": "redundant"}``.
     """
 
     document: Json
@@ -216,7 +216,7 @@ class _Lowering:
         return np.array(places).reshape(-1, 3), np.array(speeds).reshape(-1, 3)
 
     def _awkward_nodes(self) -> set[Node]:
-        """Nodes where a shared pin's reaction could not be told from the forces at the node: these get multipliers."""
+        """Nodes where forces at the node do not tell a shared pin's reaction: these get multipliers."""
         inside: list[Point] = []
         for load in self.model._loads.values():
             if isinstance(load, Force) and load.follower:
@@ -240,7 +240,8 @@ class _Lowering:
         return None
 
     def _node_velocity(self, node: Node) -> FloatArray:
-        return self.state[node[0]].v_r[self.lines[node[0]].first[node[1]]]
+        velocity: FloatArray = self.state[node[0]].v_r[self.lines[node[0]].first[node[1]]]
+        return velocity
 
     def _place(self, point: Point | WorldPoint) -> FloatArray:
         """Position of a point in the state that the run begins with."""
@@ -249,7 +250,8 @@ class _Lowering:
         state = self.state[point.body]
         body = self.lines.get(point.body)
         if body is None:
-            return state.r[0]
+            center: FloatArray = state.r[0]
+            return center
         first, weights = body.shape(point.element, point.xi)
         place: FloatArray = weights @ np.stack(
             [state.r[first], state.t[first], state.r[first + 1], state.t[first + 1]]
@@ -260,7 +262,8 @@ class _Lowering:
         gap = float(np.linalg.norm(self._place(pin.a) - self._place(pin.b)))
         if gap > 2e-6 * self.size:
             raise ModelError(
-                f"joint '{pin.name}': its points must coincide at the start, but are {gap:.6g} m apart ({pin.a}; {pin.b})"
+                f"joint '{pin.name}': its points must coincide at the start, but are {gap:.6g} m apart "
+                f"({pin.a}; {pin.b})"
             )
 
     def _relocated(self) -> set[str]:
@@ -273,9 +276,8 @@ class _Lowering:
                 continue
             name = joint.a.body
             body, state = self.lines[name], self.state[name]
-            first, weights = body.shape(joint.a.element, joint.a.xi)
             moved = self._place(joint.a) - self.model._position(joint.a)
-            node = first + round(joint.a.xi)
+            node = int(body.element_nodes[joint.a.element]) + round(joint.a.xi)
             turned = state.t[node] / np.linalg.norm(state.t[node]) - body.t[node] / np.linalg.norm(
                 body.t[node]
             )
@@ -284,8 +286,8 @@ class _Lowering:
         for load in self.model._loads.values():
             if isinstance(load, Force) and load.follower and load.at.body in bodies:
                 raise ModelError(
-                    f"load '{load.name}': a follower force on cable '{load.at.body}' cannot be combined with a clamp "
-                    "that holds it where another run left it; clamp it in both runs"
+                    f"load '{load.name}': a follower force on cable '{load.at.body}' cannot be joined by a "
+                    "clamp that holds it where another run left it; clamp it in both runs"
                 )
         return bodies
 
@@ -362,7 +364,7 @@ class _Lowering:
         return documents
 
     def _side(self, name: str) -> Json:
-        """What hangs together on the first body's side of a shared pin: nodes, masses, loads and joints."""
+        """Find what hangs on the first body's side of a shared pin: nodes, masses and joints."""
         side = {self.tree[name][0]}
         while True:
             more = {

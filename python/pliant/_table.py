@@ -28,7 +28,8 @@ def describe(model: Model) -> str:
                 body.mass_per_length if body.mass_per_length.ndim == 1 else body.mass_per_length[:, 2],
                 body.lengths.shape,
             )
-            text = f"{body.elements} elements, {body.lengths.sum():.6g} m, {mass.sum():.4g} kg, section {body.section}"
+            size = f"{body.elements} elements, {body.lengths.sum():.6g} m, {mass.sum():.4g} kg"
+            text = f"{size}, section {body.section}"
             rows.append((name, what, text))
         else:
             rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))

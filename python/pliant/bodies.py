@@ -72,6 +72,12 @@ class LineBody:
         }
         if self.normal is not None:
             shapes |= {"normal": (3,), "reference_r": (n, 3), "reference_t": (n, 3)}
+        for name, points in (
+            ("axial_stiffness", 3 if self.integration == "lobatto" else 5),
+            ("bending_stiffness", 3),
+            ("mass_per_length", 5),
+        ):
+            shapes[name] = (1,) if np.ndim(getattr(self, name)) == 1 else (e, points)
         for name, shape in shapes.items():
             object.__setattr__(self, name, _check.array(getattr(self, name), name, shape))
         if len(self.users) != n:
@@ -102,7 +108,7 @@ class LineBody:
         return int(self.users[self.element_nodes[element] + end])
 
     def node_point(self, identity: str, node: int) -> Point:
-        """The node as a material point."""
+        """Return the node as a material point."""
         inner = int(self.first[node])
         place = int(np.searchsorted(self.element_nodes, inner, side="right")) - 1
         return Point(identity, self.name, place, float(inner - self.element_nodes[place]), node)
@@ -195,7 +201,7 @@ def stretch_of_force(force: FloatArray, stiffness: FloatArray, strain: str) -> F
 def _stiffness(
     section: Any, material: Material, line: Line, integration: str
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, str]:
-    """EA, EI, mass per length, radius and a label of a section, a list of them or a callable of arc length."""
+    """Return EA, EI, mass per length, radius and a label of what the user gave as ``section``."""
     modulus, density = material.youngs_modulus, material.density
     elements = len(line.lengths)
     axial = LOBATTO_3 if integration == "lobatto" else GAUSS_5
@@ -247,7 +253,7 @@ def make_line_body(
     velocity: Any,
     angular_velocity: Any,
 ) -> LineBody:
-    """Discretise: stress-free lengths from rest lengths or pretension of each strand, then the state at the start."""
+    """Discretise: stress-free lengths from the rest length or pretension of each strand, then the start."""
     strain = _check.choice(strain, "strain", ("green_lagrange", "biot"))
     integration = _check.choice(integration, "integration", ("lobatto", "full"))
     bending = _check.choice(bending, "bending", ("exact", "simplified"))
@@ -266,8 +272,8 @@ def make_line_body(
     uniform = bool(np.all(np.abs(stretch - stretch[0]) < 1e-14))
     if line.normal is not None and not uniform:
         raise ModelError(
-            f"{pretension_name} = {pretension}: with a varying section a line that is curved at rest has no exact "
-            'stress-free shape; take rest="straight" or rest_length'
+            f"{pretension_name} = {pretension}: with a varying section a line that is curved at rest has no "
+            'exact stress-free shape; take rest="straight" or rest_length'
         )
     mass = mass * stretch[0] if uniform else np.broadcast_to(mass, (len(stretch), 5)) * stretch[:, None]
     first = element_nodes(line.strands)
@@ -318,7 +324,7 @@ def _with_initial(body: LineBody, initial: Any) -> LineBody:
 
 
 def _slopes(body: LineBody, values: FloatArray) -> FloatArray:
-    """Derivatives by stress-free arc length of values at the strand nodes, both (n, 3)."""
+    """Return derivatives by stress-free arc length of values at the strand nodes, both (n, 3)."""
     from scipy.interpolate import CubicSpline
 
     starts = first_nodes(body.strands)

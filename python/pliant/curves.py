@@ -50,7 +50,7 @@ class Curve:
         ).reshape(*s.shape, 3)
 
     def tangents(self, s: FloatArray, spacing: float) -> FloatArray:
-        """Unit tangents at arc lengths (n,), by differences a fiftieth of ``spacing`` apart; checks the speed."""
+        """Return unit tangents at arc lengths (n,), by differences a fiftieth of ``spacing`` apart."""
         step = 0.02 * spacing
         steps = step * np.arange(7)
         forward = np.where(s[:, None] + steps[-1] <= self.length, s[:, None] + steps, s[:, None] - steps)
@@ -70,7 +70,8 @@ class Curve:
                 f"position: has speed {speed:.9g} at s = {s[worst]:g} m, must be 1 to within 1e-6 "
                 "(parametrise the curve by its arc length)"
             )
-        return best / np.linalg.norm(best, axis=1, keepdims=True)
+        best /= np.linalg.norm(best, axis=1, keepdims=True)
+        return best
 
 
 @dataclass(frozen=True)
@@ -100,13 +101,14 @@ class Line:
 
 
 def first_nodes(strands: IntArray) -> IntArray:
-    """Number of each strand's first node, with the number of nodes at the end, shape (k + 1,)."""
+    """Return the number of each strand's first node, with the number of nodes at the end, shape (k + 1,)."""
     return np.concatenate([[0], np.cumsum(strands + 1)])
 
 
 def element_nodes(strands: IntArray) -> IntArray:
     """First node of each element, shape (elements,)."""
-    return np.arange(int(strands.sum())) + np.repeat(np.arange(len(strands)), strands)
+    before: IntArray = np.repeat(np.arange(len(strands)), strands)
+    return before + np.arange(int(strands.sum()))
 
 
 def divide(lengths: FloatArray, elements: int) -> IntArray:
@@ -194,8 +196,8 @@ def smooth(curve: Curve, elements: int, closed: bool, rest: str) -> Line:
             _check.fail(
                 "closed",
                 True,
-                "a ring whose tangent runs on through the seam cannot be built yet; leave a corner there, or leave "
-                "closed=False",
+                "a ring whose tangent runs on through the seam cannot be built yet; leave a corner there, "
+                "or leave closed=False",
             )
         r[-1] = r[0]
         users[-1] = 0
@@ -209,17 +211,18 @@ def smooth(curve: Curve, elements: int, closed: bool, rest: str) -> Line:
 
 
 def _plane(r: FloatArray, t: FloatArray, length: float) -> FloatArray | None:
-    """Unit normal of the plane of a line; None if it is straight; refuses a line curved in space."""
+    """Return the normal of the plane of a line, None if it is straight; refuses a line curved in space."""
     if np.abs(t - t[0]).max() < 1e-8:
         return None
     normal: FloatArray = np.linalg.svd(t, full_matrices=True)[2][-1]
     off = max(float(np.abs((r - r[0]) @ normal).max()) / length, float(np.abs(t @ normal).max()))
     if off > 1e-7:
         raise ModelError(
-            f"points: the curve leaves its plane by {off:.3g} of its length; a cable cannot be curved in space at "
-            'rest. Take rest="straight" (free of axial strain at the start, straight when unloaded), or a body that '
-            "twists"
+            f"points: the curve leaves its plane by {off:.3g} of its length; cannot be curved in space "
+            'at rest. Take rest="straight" (free of axial strain at the start, straight when unloaded), or a '
+            "body that twists"
         )
     normal[np.abs(normal) < 1e-12] = 0.0
     first = int(np.argmax(np.abs(normal)))
-    return normal / np.linalg.norm(normal) * np.sign(normal[first])
+    normal *= np.sign(normal[first]) / np.linalg.norm(normal)
+    return normal

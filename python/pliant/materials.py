@@ -84,8 +84,8 @@ def youngs_modulus_from_shore_a(hardness: float) -> float:
 
     Notes
     -----
-    A. N. Gent, Rubber Chemistry and Technology 31 (1958) 896: the relation of a linear elastic half-space under
-    the frustum of the durometer, E = 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa.
+    A. N. Gent, Rubber Chemistry and Technology 31 (1958) 896: the relation of a linear elastic half-space
+    under the frustum of the durometer, E = 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa.
 
     Examples
     --------

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import json
 import os
-import uuid
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pliant import _check
+from pliant._contents import Contents, world_point
 from pliant._document import VERSION, decode, encode
-from pliant.bodies import Body, LineBody, MassBody, line_of, line_of_net, make_line_body
+from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
-from pliant.joints import Clamp, JointData, Pin
-from pliant.loads import Force, LineLoad, LoadData, Moment
+from pliant.joints import Clamp, Pin
+from pliant.loads import Force, LineLoad, Moment
 from pliant.materials import Material
-from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, WorldPoint, require_handle
-from pliant.signals import Signal, Table, as_signal
+from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, WorldPoint
+from pliant.signals import Signal, as_signal
 from pliant.typing import ArrayLike, FloatArray, Json
 
 __all__ = ["Model"]
 
 
-class Model:
+class Model(Contents):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -45,23 +45,6 @@ class Model:
     >>> model.dof, model.constraints
     (246, 3)
     """
-
-    def __init__(self, gravity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
-        self._gravity = _check.vector(gravity, "gravity")
-        self._identity = uuid.uuid4().hex
-        self._bodies: dict[str, Body] = {}
-        self._joints: dict[str, JointData] = {}
-        self._loads: dict[str, LoadData] = {}
-
-    @property
-    def gravity(self) -> FloatArray:
-        """Acceleration of gravity [m/s^2], shape (3,)."""
-        return self._gravity.copy()
-
-    @property
-    def identity(self) -> str:
-        """What handles, copies, files and results of this model share."""
-        return self._identity
 
     # Bodies
 
@@ -95,16 +78,16 @@ class Model:
         elements : int
             Number of elements, spread over the pieces in proportion to length, at least one each.
         section
-            One section, a list of one for each element, or a callable of arc length [m]. Alike in bending about
-            every axis.
+            One section, a list of one for each element, or a callable of arc length [m]. Alike in bending
+            about every axis.
         material : LinearElastic or SaintVenantKirchhoff
             The material.
         rest : {"given", "straight"}
             ``"given"``: stress-free as given, straight or curved in a plane and then confined to it.
             ``"straight"``: free of axial strain as given, straight when unloaded; any line in space.
         rest_length : float, optional
-            Stress-free length [m]; ``points`` are then the line at the start. The mass stays that of the line as
-            given by ``points``.
+            Stress-free length [m]; ``points`` are then the line at the start. The mass stays that of the line
+            as given by ``points``.
         pretension : float, optional
             Axial force [N] at the start, 0 or more; instead of ``rest_length``. The mass stays likewise.
         closed : bool
@@ -136,8 +119,9 @@ class Model:
         >>> import pliant as pl
         >>> model = pl.Model()
         >>> steel = pl.LinearElastic(youngs_modulus=2.1e11, poisson_ratio=0.3, density=7850.0)
+        >>> thin = pl.Circle(radius=1e-3)
         >>> wire = model.add_cable(
-        ...     [(0, 0, 0), (10, 0, 0)], elements=8, section=pl.Circle(radius=1e-3), material=steel, pretension=100.0
+        ...     [(0, 0, 0), (10, 0, 0)], elements=8, section=thin, material=steel, pretension=100.0
         ... )
         >>> round(wire.length, 5)
         9.99848
@@ -200,7 +184,7 @@ class Model:
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
         name: str | None = None,
     ) -> CableNet:
-        """Add a net of cables between points. Cables that end at one point share its position; slopes are private.
+        """Add a net of cables between points; those that end at one point share its position, not slopes.
 
         Parameters
         ----------
@@ -210,7 +194,8 @@ class Model:
             Points that each cable joins.
         elements : int or array_like of int, shape (m,)
             Elements of each cable.
-        section, material, tension_only, strain, integration, bending, initial, velocity, angular_velocity, name
+        section, material, tension_only, strain, integration, bending, initial, velocity, angular_velocity,
+        name
             As for :meth:`add_cable`.
         rest_lengths : float or array_like, shape (m,), optional
             Stress-free lengths [m].
@@ -228,8 +213,9 @@ class Model:
         >>> model = pl.Model()
         >>> steel = pl.LinearElastic(youngs_modulus=2.1e11, poisson_ratio=0.3, density=7850.0)
         >>> corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        >>> edges = [(0, 1), (1, 2), (2, 3), (3, 0)]
         >>> net = model.add_cable_net(
-        ...     corners, [(0, 1), (1, 2), (2, 3), (3, 0)], elements=2, section=pl.Circle(radius=1e-3), material=steel
+        ...     corners, edges, elements=2, section=pl.Circle(radius=1e-3), material=steel
         ... )
         >>> model.dof
         60
@@ -304,7 +290,7 @@ class Model:
             place = self._position(point)
         else:
             place = _check.vector(at, "at")
-        self._bodies[name] = MassBody(name, mass, point, _world(place), _world(speed))
+        self._bodies[name] = MassBody(name, mass, point, world_point(place), world_point(speed))
         return self._mass_handle(name)
 
     # Joints
@@ -355,7 +341,7 @@ class Model:
             a = self._point(point, "point")
             here = self._position(a)
             if to is None:
-                b = _world(here)
+                b = world_point(here)
             elif isinstance(to, bare):
                 b = self._nearest(to, "to", here)
             else:
@@ -432,41 +418,6 @@ class Model:
     # What is in it
 
     @property
-    def bodies(self) -> list[Handle]:
-        """Handles of the bodies."""
-        return [self[name] for name in self._bodies]
-
-    @property
-    def joints(self) -> list[Handle]:
-        """Handles of the joints."""
-        return [self[name] for name in self._joints]
-
-    @property
-    def loads(self) -> list[Handle]:
-        """Handles of the loads."""
-        return [self[name] for name in self._loads]
-
-    @property
-    def contacts(self) -> list[Handle]:
-        """Handles of the contacts."""
-        return []
-
-    def __getitem__(self, name: str) -> Any:
-        """Handle of that name."""
-        if isinstance(name, str):
-            if name in self._joints:
-                return Joint(name, self._identity)
-            if name in self._loads:
-                return Load(name, self._identity)
-            body = self._bodies.get(name)
-            if isinstance(body, MassBody):
-                return self._mass_handle(name)
-            if isinstance(body, LineBody):
-                return (Cable if body.kind == "cable" else CableNet)(name, self._identity, body)
-        names = ", ".join([*self._bodies, *self._joints, *self._loads]) or "nothing"
-        _check.fail("name", name, f"the model holds {names}")
-
-    @property
     def dof(self) -> int:
         """Number of coordinates, after points that coincide and are pinned together share theirs."""
         from pliant._lower import lower
@@ -503,8 +454,12 @@ class Model:
         return self.copy()
 
     def to_document(self, *, keep_functions: bool = True) -> Json:
-        """The model as a JSON document; refuses callables, or leaves markers for them."""
-        lists = {"bodies": self._bodies, "joints": self._joints, "loads": self._loads}
+        """Write the model as a JSON document; refuses callables, or leaves markers for them."""
+        lists: dict[str, dict[str, Any]] = {
+            "bodies": self._bodies,
+            "joints": self._joints,
+            "loads": self._loads,
+        }
         return {
             "format": "pliant-model",
             "version": VERSION,
@@ -526,16 +481,17 @@ class Model:
         try:
             model = cls(document["gravity"])
             model._identity = _check.text(document["identity"], "identity")
-            for key, items, kinds in (
+            lists: list[tuple[str, dict[str, Any], tuple[type, ...]]] = [
                 ("bodies", model._bodies, (LineBody, MassBody)),
                 ("joints", model._joints, (Pin, Clamp)),
                 ("loads", model._loads, (Force, Moment, LineLoad)),
-            ):
+            ]
+            for key, items, kinds in lists:
                 for entry in document[key]:
                     item = decode(entry)
                     if not isinstance(item, kinds):
                         raise ModelError(f"{key}: {type(item).__name__} does not belong here")
-                    items[item.name] = item  # type: ignore[index]
+                    items[item.name] = item
             model._verify()
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
             raise FileError(f"{source}: is damaged: {error}") from error
@@ -547,7 +503,8 @@ class Model:
         Parameters
         ----------
         path : str or path
-            File, ``model.json`` by custom. Python callables are refused; ``Table.sample`` makes tables of them.
+            File, ``model.json`` by custom. Python callables are refused; ``Table.sample`` makes tables of
+            them.
         """
         text = json.dumps(self.to_document())
         with atomic(path) as temporary:
@@ -563,158 +520,6 @@ class Model:
         except ValueError as error:
             raise FileError(f"{path}: is not a pliant model: {error}") from error
         return cls.from_document(document, str(path))
-
-    # Inside
-
-    def _verify(self) -> None:
-        """Check what points at what, after loading."""
-        places: list[object] = []
-        for body in self._bodies.values():
-            places.append(getattr(body, "at", None))
-        for joint in self._joints.values():
-            places += [joint.a, getattr(joint, "b", None)]
-        for load in self._loads.values():
-            if isinstance(load, LineLoad):
-                self._bodies[load.body]
-            else:
-                places.append(load.at)
-        for place in places:
-            if isinstance(place, Point):
-                self._point(place, "point")
-            elif not (place is None or isinstance(place, WorldPoint)):
-                raise ModelError(f"{place!r} is no point")
-
-    def _new_name(self, name: object, kind: str) -> str:
-        taken = {*self._bodies, *self._joints, *self._loads}
-        if name is None:
-            k = 1
-            while f"{kind}{k}" in taken:
-                k += 1
-            return f"{kind}{k}"
-        name = _check.text(name, "name")
-        if name in taken:
-            _check.fail("name", name, "is taken in this model; choose another")
-        return name
-
-    def _mass_handle(self, name: str) -> PointMass:
-        body = self._bodies[name]
-        at = body.at if isinstance(body, MassBody) else None
-        return PointMass(
-            name, self._identity, at if at is not None else Point(self._identity, name, 0, 0.0, 0)
-        )
-
-    def _add_joint(self, joint: JointData) -> Joint:
-        self._joints[joint.name] = joint
-        return Joint(joint.name, self._identity)
-
-    def _add_load(self, load: LoadData) -> Load:
-        self._loads[load.name] = load
-        return Load(load.name, self._identity)
-
-    def _body(self, handle: Any, name: str) -> Body:
-        if not isinstance(handle, Handle) or isinstance(handle, (Joint, Load)):
-            _check.fail(name, handle, "must be a body of this model")
-        require_handle(handle, name, self._identity)
-        if handle.name not in self._bodies:
-            _check.fail(name, handle, f"this model has no body '{handle.name}'")
-        return self._bodies[handle.name]
-
-    def _point(self, value: Any, name: str) -> Point:
-        if isinstance(value, PointMass):
-            value = value.center
-        if not isinstance(value, Point):
-            _check.fail(name, value, "must be a point of a body, such as rope.end")
-        require_handle(value, name, self._identity)
-        body = self._bodies.get(value.body)
-        if body is None:
-            _check.fail(name, value, f"this model has no body '{value.body}'")
-        elements = body.elements if isinstance(body, LineBody) else 1
-        if not (0 <= value.element < elements and 0.0 <= value.xi <= 1.0):
-            _check.fail(name, value, f"body '{value.body}' of this model has {elements} elements")
-        return value
-
-    def _line_point(self, value: Any, name: str) -> Point:
-        point = self._point(value, name)
-        if not isinstance(self._bodies[point.body], LineBody):
-            _check.fail(name, value, "must be a point of a cable")
-        return point
-
-    def _other(self, value: Any, name: str) -> Point | WorldPoint:
-        if isinstance(value, (Point, PointMass)):
-            return self._point(value, name)
-        if isinstance(value, Handle):
-            _check.fail(name, value, "must be a point, a body or three numbers")
-        return _world(_check.vector(value, name))
-
-    def _nearest(self, handle: Any, name: str, target: FloatArray) -> Point:
-        body = self._body(handle, name)
-        if not isinstance(body, LineBody):
-            return self._point(handle, name)
-        return body.nearest(target, self._identity)
-
-    def _position(self, point: Point | WorldPoint) -> FloatArray:
-        """Position at the start."""
-        if isinstance(point, WorldPoint):
-            return np.array(point.position)
-        body = self._bodies[point.body]
-        if isinstance(body, MassBody):
-            return self._position(body.at) if body.at is not None else np.array(body.position.position)
-        if point.node is not None:
-            return body.r[body.first[point.node]].copy()
-        first, weights = body.shape(point.element, point.xi)
-        result: FloatArray = weights @ np.stack(
-            [body.r[first], body.t[first], body.r[first + 1], body.t[first + 1]]
-        )
-        return result
-
-    def _size(self) -> float:
-        """Largest edge of the box around the model [m]."""
-        places = [body.r for body in self._bodies.values() if isinstance(body, LineBody)]
-        places += [np.array([b.position.position]) for b in self._bodies.values() if isinstance(b, MassBody)]
-        size = float(np.ptp(np.vstack(places), axis=0).max())
-        return size if size > 0 else 1.0
-
-    def _require_in_plane(self, body: Body, value: Any, name: str, along: bool = False) -> None:
-        """Refuse vectors out of the plane of a line that is curved at rest (``along``: not along its normal)."""
-        normal = body.normal if isinstance(body, LineBody) else None
-        if normal is None:
-            return
-        rows = np.atleast_2d(value) if isinstance(value, np.ndarray) else _samples(value)
-        off = np.cross(rows, normal) if along else rows @ normal
-        if np.abs(off).max(initial=0.0) > 1e-9 * np.abs(rows).max(initial=0.0):
-            place = "along the normal" if along else "in the plane"
-            _check.fail(
-                name,
-                rows[0],
-                f"cable '{body.name}' is curved at rest and confined to its plane: must lie {place}, "
-                f'normal {normal.tolist()}; for motion in space take rest="straight"',
-            )
-
-    def _require_same_plane(self, one: Point, other: Point) -> None:
-        """Refuse a joint of a line confined to a plane with a body that leaves it."""
-        confined, free = self._bodies[one.body], self._bodies[other.body]
-        if not isinstance(confined, LineBody) or confined.normal is None or not isinstance(free, LineBody):
-            return
-        origin = confined.r[0]
-        off = np.concatenate([(free.r - origin) @ confined.normal, free.v_r @ confined.normal])
-        if np.abs(off).max() > 1e-6 * self._size():
-            _check.fail(
-                "to",
-                str(other),
-                f"cable '{confined.name}' is curved at rest and confined to its plane, which '{free.name}' leaves",
-            )
-
-
-def _world(place: FloatArray) -> WorldPoint:
-    return WorldPoint((float(place[0]), float(place[1]), float(place[2])))
-
-
-def _samples(signal: Signal) -> FloatArray:
-    """Values of a signal where it is certain to be asked."""
-    times = [0.0, 1.0]
-    if isinstance(signal, Table):
-        return signal.values
-    return np.array([signal(t) for t in times])
 
 
 def _one_or_each(value: Any, name: str, n: int, *, zero: bool) -> FloatArray | None:

@@ -111,7 +111,8 @@ class Cable(_LineHandle):
     >>> import pliant as pl
     >>> model = pl.Model()
     >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
-    >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=pl.Circle(radius=5e-3), material=rubber)
+    >>> thin = pl.Circle(radius=5e-3)
+    >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
     >>> print(rope.end, "|", rope.at(0.6))
     cable1, node 4 | cable1, element 2 at 0.4
     """

@@ -13,7 +13,6 @@ from pliant import _check
 from pliant._lower import BodyState, Lowered
 from pliant.bodies import GAUSS_5, LineBody, hermite
 from pliant.errors import ModelError, translated
-
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Point, PointMass, WorldPoint, require_handle
 from pliant.typing import ArrayLike, FloatArray, IntArray
@@ -94,7 +93,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """Raw arrays of a run, one row an output: time (n,), q (n, nq), v and a (n, nv), lambda (n, nl), energy (n, 5)."""
+    """Raw arrays of a run, one row an output."""
 
     time: FloatArray
     q: FloatArray
@@ -206,8 +205,8 @@ class Result:
         Returns
         -------
         Reaction
-            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Of pins that
-            close a loop of pins at one place, the last carries nothing.
+            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Of pins
+            that close a loop of pins at one place, the last carries nothing.
         """
         if not isinstance(joint, Joint):
             _check.fail("joint", joint, "must be a joint of the model")
@@ -226,7 +225,7 @@ class Result:
         return Reaction(self._shared_force(plan), zero)
 
     def _shared_force(self, plan: dict[str, Any]) -> FloatArray:
-        """Force of a pin that shares coordinates: what its first side needs beyond the other things acting there."""
+        """Force of a pin that shares coordinates: what its first side needs beyond what else acts there."""
         records = self._records
         factor = self.time if self.is_static else np.ones_like(self.time)
         gravity = self.model.gravity * factor[:, None]
@@ -276,7 +275,7 @@ class Result:
         )
 
     def axial_force(self, body: Handle | str) -> FloatArray:
-        """Axial force [N]: of a cable at mid-element, (n, elements); of a net its mean in each cable, (n, cables)."""
+        """Axial force [N] at mid-element, (n, elements); of a net the mean in each cable, (n, cables)."""
         data, name = self._line(body)
         with translated():
             force = self._system.axial_force(self._lowered.cables[name], self._records.q)
@@ -315,7 +314,8 @@ class Result:
         """Centre of mass of the model or of one body [m], shape (n, 3)."""
         if body is None:
             mass = self._system.masses()[0]
-            return self._momentum()[2] / mass
+            center: FloatArray = self._momentum()[2] / mass
+            return center
         name = self._name(body)
         data = self.model._bodies[name]
         if not isinstance(data, LineBody):
@@ -438,7 +438,7 @@ class Result:
             return np.ascontiguousarray(rows[:, offsets[data.first[point.node], 0]])
         first, weights = data.shape(point.element, point.xi)
         places = (offsets[first, 0], offsets[first, 1], offsets[first + 1, 0], offsets[first + 1, 1])
-        value: FloatArray = sum(w * rows[:, place] for w, place in zip(weights, places, strict=True))  # type: ignore[assignment]
+        value: FloatArray = sum(w * rows[:, place] for w, place in zip(weights, places, strict=True))
         return value
 
     def _momentum(self) -> tuple[FloatArray, FloatArray, FloatArray]:

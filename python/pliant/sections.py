@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from pliant import _check
 from pliant.errors import ModelError
@@ -14,7 +15,16 @@ __all__ = ["Circle", "CrossSection", "Rectangle", "Section", "Tube"]
 class _Shape:
     """What every cross section can do."""
 
-    def summary(self: CrossSection) -> str:
+    if TYPE_CHECKING:
+
+        @property
+        def area(self) -> float: ...
+        @property
+        def second_moments(self) -> tuple[float, float]: ...
+        @property
+        def torsion_constant(self) -> float | None: ...
+
+    def summary(self) -> str:
         """Describe the section in a few lines.
 
         Examples
@@ -218,8 +228,8 @@ def require_isotropic(section: object, name: str) -> CrossSection:
     i_y, i_z = section.second_moments
     if abs(i_y - i_z) > 1e-9 * max(i_y, i_z):
         raise ModelError(
-            f"{name} = {section!r}: a cable bends alike about every axis, but I_y = {i_y:g} and I_z = {i_z:g} m^4; "
-            "take Circle, Tube, a square, or Section(area, second_moments=(I, I)) with the moment of the plane in "
-            "which the cable bends"
+            f"{name} = {section!r}: cables bend alike about every axis, but I_y = {i_y:g} and I_z = {i_z:g} "
+            "m^4; take Circle, Tube, a square, or Section(area, second_moments=(I, I)) with the moment "
+            "of the plane in which the cable bends"
         )
     return section

@@ -76,16 +76,20 @@ class Constant(Signal):
 
     @property
     def size(self) -> int:
+        """Number of components."""
         return len(self.value)
 
     @property
     def constant(self) -> bool:
+        """Whether the value never changes."""
         return True
 
     def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,)."""
         return np.array(self.value)
 
     def document(self, register: Callable[[Function], int]) -> Json:
+        """Write the signal for the core."""
         return {"constant": list(self.value)}
 
 
@@ -98,9 +102,11 @@ class Function(Signal):
 
     @property
     def size(self) -> int:
+        """Number of components."""
         return self.components
 
     def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,)."""
         value = np.atleast_1d(np.asarray(self.function(t)))
         if (
             value.shape != (self.components,)
@@ -113,9 +119,11 @@ class Function(Signal):
         return value.astype(np.float64)
 
     def functions(self) -> Iterator[Function]:
+        """Callables inside."""
         yield self
 
     def document(self, register: Callable[[Function], int]) -> Json:
+        """Write the signal for the core."""
         return {"input": {"first": register(self), "size": self.components}}
 
 
@@ -191,9 +199,11 @@ class Table(Signal):
 
     @property
     def size(self) -> int:
+        """Number of components."""
         return int(self.values.shape[1])
 
     def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,)."""
         times, values, first = self.times, self.values, float(self.times[0])
         if self.period is not None:
             t = first + (t - first) % self.period
@@ -209,6 +219,7 @@ class Table(Signal):
         return np.asarray(CubicSpline(times, values, axis=0)(t), dtype=np.float64)
 
     def document(self, register: Callable[[Function], int]) -> Json:
+        """Write the signal for the core."""
         return {
             "table": {
                 "times": self.times.tolist(),
@@ -242,13 +253,16 @@ class Ramp(Signal):
 
     @property
     def size(self) -> int:
+        """Number of components."""
         return 1
 
     def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,)."""
         x = min(max(t / self.duration, 0.0), 1.0)
         return np.array([x * x * (3.0 - 2.0 * x)])
 
     def document(self, register: Callable[[Function], int]) -> Json:
+        """Write the signal for the core."""
         return {"ramp": {"duration": self.duration}}
 
 
@@ -270,23 +284,28 @@ class Combination(Signal):
 
     @property
     def size(self) -> int:
+        """Number of components."""
         return max(term.size for term in self.terms)
 
     @property
     def constant(self) -> bool:
+        """Whether the value never changes."""
         return all(term.constant for term in self.terms)
 
     def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,)."""
         result = self.terms[0](t)
         for term in self.terms[1:]:
             result = result + term(t) if self.operation == "sum" else result * term(t)
         return result
 
     def functions(self) -> Iterator[Function]:
+        """Callables inside."""
         for term in self.terms:
             yield from term.functions()
 
     def document(self, register: Callable[[Function], int]) -> Json:
+        """Write the signal for the core."""
         return {self.operation: [term.document(register) for term in self.terms]}
 
 
@@ -298,14 +317,17 @@ class LostFunction(Signal):
 
     @property
     def size(self) -> int:
+        """Number of components."""
         return self.components
 
     def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,)."""
         raise ModelError(
             "a Python callable of this model was not kept in the file: add the load again before running"
         )
 
     def document(self, register: Callable[[Function], int]) -> Json:
+        """Write the signal for the core."""
         self(0.0)
         raise AssertionError
 

@@ -48,10 +48,12 @@ def simulate(
     duration : float
         Time to simulate [s].
     step : float
-        Step [s]. Where ``duration`` is not a whole number of steps, the step is made a little smaller so that it is.
+        Step [s]. Where ``duration`` is not a whole number of steps, the step is made a little smaller so that
+        it is.
     start : Result or State, optional
-        The run begins at the last state of a result, or at ``result.state(i)``, at time 0. Bodies must be the same,
-        loads and joints may differ. A static result gives the positions; the velocities are those of the bodies.
+        The run begins at the last state of a result, or at ``result.state(i)``, at time 0. Bodies must be the
+        same, loads and joints may differ. A static result gives the positions; the velocities are those of
+        the bodies.
     spectral_radius : float, optional
         Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
     output_every : int
@@ -101,7 +103,7 @@ def simulate(
         _check.fail(
             "spectral_radius",
             rho,
-            "must be at most 0.98 in a model with constraints: without numerical damping they oscillate and blow up",
+            "must be at most 0.98 in a model with constraints: undamped, they oscillate and blow up",
         )
     q, v = _start_vectors(lowered, system, state, model)
     inputs = _Inputs(lowered)
@@ -160,8 +162,8 @@ def solve_static(
     start : Result or State, optional
         Where the search begins; bodies must be the same.
     load_steps : int
-        Constants, gravity included, grow in so many steps; callables and Tables are evaluated at the load factor.
-        Steps are cut when they fail.
+        Constants, gravity included, grow in so many steps; callables and Tables are evaluated at the load
+        factor. Steps are cut when they fail.
     tolerance : float, optional
         Newton's tolerance, relative to the size of the model.
     progress : bool, optional
@@ -177,7 +179,8 @@ def solve_static(
     >>> import pliant as pl
     >>> model = pl.Model()
     >>> steel = pl.LinearElastic(youngs_modulus=2e11, poisson_ratio=0.3, density=7850.0)
-    >>> bar = model.add_cable([(0, 0, 0), (0, 0, -1)], elements=1, section=pl.Circle(radius=1e-2), material=steel)
+    >>> thick = pl.Circle(radius=1e-2)
+    >>> bar = model.add_cable([(0, 0, 0), (0, 0, -1)], elements=1, section=thick, material=steel)
     >>> pin, load = model.clamp(bar.start), model.add_force(bar.end, (0, 0, -1e4))
     >>> result = pl.solve_static(model)
     >>> print(f"{result.axial_force(bar)[-1, 0]:.0f}")
@@ -341,12 +344,12 @@ def _start_vectors(
     shared = system.shared_offsets()
     for name, body in state.bodies.items():
         moving = fresh[name] if state.static else body
+        columns: list[tuple[int, FloatArray, FloatArray]] = [(0, body.r, moving.v_r)]
         if name in lowered.cables:
             offsets = system.cable_offsets(lowered.cables[name])
-            columns = ((0, body.r, moving.v_r), (1, body.t, moving.v_t))
+            columns.append((1, body.t, moving.v_t))
         else:
             offsets = shared[[lowered.shared[name]]].reshape(1, 1)
-            columns = ((0, body.r, moving.v_r),)
         for column, place, speed in columns:
             index = offsets[:, [column]] + np.arange(3)
             q[index], v[index] = place, speed
@@ -405,7 +408,8 @@ def _warn_of_projection(integrator: Integrator, v: FloatArray, started: bool) ->
     speed = float(np.abs(v).max(initial=0.0))
     if integrator.projection > (1e-3 if started else 1e-9) * speed and speed > 0:
         warnings.warn(
-            f"initial velocities contradict joints; they were projected (by up to {integrator.projection:.3g} m/s)",
+            "initial velocities contradict joints; they were projected by up to "
+            f"{integrator.projection:.3g} m/s",
             stacklevel=3,
         )
 

@@ -1,0 +1,226 @@
+"""What a model holds, and the checks of what is added to it."""
+
+from __future__ import annotations
+
+import uuid
+from typing import Any
+
+import numpy as np
+
+from pliant import _check
+from pliant.bodies import Body, LineBody, MassBody
+from pliant.errors import ModelError
+from pliant.joints import JointData
+from pliant.loads import LineLoad, LoadData
+from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, WorldPoint, require_handle
+from pliant.signals import Signal, Table
+from pliant.typing import ArrayLike, FloatArray
+
+__all__ = ["Contents", "world_point"]
+
+
+class Contents:
+    """Bodies, joints and loads of a model by name."""
+
+    def __init__(self, gravity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        self._gravity = _check.vector(gravity, "gravity")
+        self._identity = uuid.uuid4().hex
+        self._bodies: dict[str, Body] = {}
+        self._joints: dict[str, JointData] = {}
+        self._loads: dict[str, LoadData] = {}
+
+    @property
+    def gravity(self) -> FloatArray:
+        """Acceleration of gravity [m/s^2], shape (3,)."""
+        return self._gravity.copy()
+
+    @property
+    def identity(self) -> str:
+        """What handles, copies, files and results of this model share."""
+        return self._identity
+
+    @property
+    def bodies(self) -> list[Handle]:
+        """Handles of the bodies."""
+        return [self[name] for name in self._bodies]
+
+    @property
+    def joints(self) -> list[Handle]:
+        """Handles of the joints."""
+        return [self[name] for name in self._joints]
+
+    @property
+    def loads(self) -> list[Handle]:
+        """Handles of the loads."""
+        return [self[name] for name in self._loads]
+
+    @property
+    def contacts(self) -> list[Handle]:
+        """Handles of the contacts."""
+        return []
+
+    def __getitem__(self, name: str) -> Any:
+        """Handle of that name."""
+        if isinstance(name, str):
+            if name in self._joints:
+                return Joint(name, self._identity)
+            if name in self._loads:
+                return Load(name, self._identity)
+            body = self._bodies.get(name)
+            if isinstance(body, MassBody):
+                return self._mass_handle(name)
+            if isinstance(body, LineBody):
+                return (Cable if body.kind == "cable" else CableNet)(name, self._identity, body)
+        names = ", ".join([*self._bodies, *self._joints, *self._loads]) or "nothing"
+        _check.fail("name", name, f"the model holds {names}")
+
+    def _verify(self) -> None:
+        """Check what points at what, after loading."""
+        places: list[object] = []
+        for body in self._bodies.values():
+            places.append(getattr(body, "at", None))
+        for joint in self._joints.values():
+            places += [joint.a, getattr(joint, "b", None)]
+        for load in self._loads.values():
+            if isinstance(load, LineLoad):
+                self._bodies[load.body]
+            else:
+                places.append(load.at)
+        for place in places:
+            if isinstance(place, Point):
+                self._point(place, "point")
+            elif not (place is None or isinstance(place, WorldPoint)):
+                raise ModelError(f"{place!r} is no point")
+
+    def _new_name(self, name: object, kind: str) -> str:
+        taken = {*self._bodies, *self._joints, *self._loads}
+        if name is None:
+            k = 1
+            while f"{kind}{k}" in taken:
+                k += 1
+            return f"{kind}{k}"
+        name = _check.text(name, "name")
+        if name in taken:
+            _check.fail("name", name, "is taken in this model; choose another")
+        return name
+
+    def _mass_handle(self, name: str) -> PointMass:
+        body = self._bodies[name]
+        at = body.at if isinstance(body, MassBody) else None
+        return PointMass(
+            name, self._identity, at if at is not None else Point(self._identity, name, 0, 0.0, 0)
+        )
+
+    def _add_joint(self, joint: JointData) -> Joint:
+        self._joints[joint.name] = joint
+        return Joint(joint.name, self._identity)
+
+    def _add_load(self, load: LoadData) -> Load:
+        self._loads[load.name] = load
+        return Load(load.name, self._identity)
+
+    def _body(self, handle: Any, name: str) -> Body:
+        if not isinstance(handle, Handle) or isinstance(handle, (Joint, Load)):
+            _check.fail(name, handle, "must be a body of this model")
+        require_handle(handle, name, self._identity)
+        if handle.name not in self._bodies:
+            _check.fail(name, handle, f"this model has no body '{handle.name}'")
+        return self._bodies[handle.name]
+
+    def _point(self, value: Any, name: str) -> Point:
+        if isinstance(value, PointMass):
+            value = value.center
+        if not isinstance(value, Point):
+            _check.fail(name, value, "must be a point of a body, such as rope.end")
+        require_handle(value, name, self._identity)
+        body = self._bodies.get(value.body)
+        if body is None:
+            _check.fail(name, value, f"this model has no body '{value.body}'")
+        elements = body.elements if isinstance(body, LineBody) else 1
+        if not (0 <= value.element < elements and 0.0 <= value.xi <= 1.0):
+            _check.fail(name, value, f"body '{value.body}' of this model has {elements} elements")
+        return value
+
+    def _line_point(self, value: Any, name: str) -> Point:
+        point = self._point(value, name)
+        if not isinstance(self._bodies[point.body], LineBody):
+            _check.fail(name, value, "must be a point of a cable")
+        return point
+
+    def _other(self, value: Any, name: str) -> Point | WorldPoint:
+        if isinstance(value, (Point, PointMass)):
+            return self._point(value, name)
+        if isinstance(value, Handle):
+            _check.fail(name, value, "must be a point, a body or three numbers")
+        return world_point(_check.vector(value, name))
+
+    def _nearest(self, handle: Any, name: str, target: FloatArray) -> Point:
+        body = self._body(handle, name)
+        if not isinstance(body, LineBody):
+            return self._point(handle, name)
+        return body.nearest(target, self._identity)
+
+    def _position(self, point: Point | WorldPoint) -> FloatArray:
+        """Position at the start."""
+        if isinstance(point, WorldPoint):
+            return np.array(point.position)
+        body = self._bodies[point.body]
+        if isinstance(body, MassBody):
+            return self._position(body.at) if body.at is not None else np.array(body.position.position)
+        if point.node is not None:
+            place: FloatArray = body.r[body.first[point.node]]
+            return place.copy()
+        first, weights = body.shape(point.element, point.xi)
+        result: FloatArray = weights @ np.stack(
+            [body.r[first], body.t[first], body.r[first + 1], body.t[first + 1]]
+        )
+        return result
+
+    def _size(self) -> float:
+        """Largest edge of the box around the model [m]."""
+        places = [body.r for body in self._bodies.values() if isinstance(body, LineBody)]
+        places += [np.array([b.position.position]) for b in self._bodies.values() if isinstance(b, MassBody)]
+        size = float(np.ptp(np.vstack(places), axis=0).max())
+        return size if size > 0 else 1.0
+
+    def _require_in_plane(self, body: Body, value: Any, name: str, along: bool = False) -> None:
+        """Refuse vectors out of the plane of a line that is curved at rest (``along``: off its normal)."""
+        normal = body.normal if isinstance(body, LineBody) else None
+        if normal is None:
+            return
+        rows = np.atleast_2d(value) if isinstance(value, np.ndarray) else _samples(value)
+        off = np.cross(rows, normal) if along else rows @ normal
+        if np.abs(off).max(initial=0.0) > 1e-9 * np.abs(rows).max(initial=0.0):
+            place = "along the normal" if along else "in the plane"
+            _check.fail(
+                name,
+                rows[0],
+                f"cable '{body.name}' is curved at rest and confined to its plane: must lie {place}, "
+                f'normal {normal.tolist()}; for motion in space take rest="straight"',
+            )
+
+    def _require_same_plane(self, one: Point, other: Point) -> None:
+        """Refuse a joint of a line confined to a plane with a body that leaves it."""
+        confined, free = self._bodies[one.body], self._bodies[other.body]
+        if not isinstance(confined, LineBody) or confined.normal is None or not isinstance(free, LineBody):
+            return
+        origin = confined.r[0]
+        off = np.concatenate([(free.r - origin) @ confined.normal, free.v_r @ confined.normal])
+        if np.abs(off).max() > 1e-6 * self._size():
+            _check.fail(
+                "to",
+                str(other),
+                f"cable '{confined.name}' is curved at rest and confined to its plane; '{free.name}' leaves it",
+            )
+
+
+def world_point(place: FloatArray) -> WorldPoint:
+    return WorldPoint((float(place[0]), float(place[1]), float(place[2])))
+
+
+def _samples(signal: Signal) -> FloatArray:
+    """Values of a signal where it is certain to be asked."""
+    times = [0.0, 1.0]
+    if isinstance(signal, Table):
+        return signal.values
+    return np.array([signal(t) for t in times])
