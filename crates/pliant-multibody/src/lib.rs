@@ -1,1 +1,18 @@
-//! Placeholder.
+//! Models of soft machines: from a document to a system of equations, runs, and what is read from them.
+
+mod build;
+pub mod document;
+pub mod dof_map;
+pub mod error;
+pub mod joints;
+pub mod loads;
+pub mod model;
+mod output;
+pub mod point;
+pub mod run;
+pub mod signal;
+pub mod solve;
+pub mod spec;
+pub mod system;
+pub mod teaching;
+mod vector;

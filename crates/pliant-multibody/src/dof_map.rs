@@ -1,0 +1,259 @@
+//! Where every node stands in the coordinates.
+//!
+//! Cables come first, node by node: position and slope (6), or the slope alone (3) where the position is a shared
+//! point's; the shared points follow (3 each). Multipliers are numbered after all coordinates, joint by joint.
+
+use crate::document::Arrays;
+use crate::error::ModelError;
+use crate::point::Interpolation;
+use crate::spec::{CableSpec, ModelSpec, PointSpec};
+use pliant_dae::structure::Structure;
+use pliant_elements::NodeOffsets;
+use pliant_math::hermite;
+use std::ops::Range;
+
+/// Nodes of one cable.
+#[derive(Clone, Debug)]
+pub struct CableMap {
+    /// Name of the body.
+    pub name: String,
+    /// Offsets of each node's position and slope.
+    pub nodes: Vec<NodeOffsets>,
+    /// Elements of each strand, counted through the cable. Strand k's element e joins nodes e + k and e + k + 1.
+    pub strands: Vec<Range<usize>>,
+    /// Stress-free length of each element [m].
+    pub lengths: Vec<f64>,
+}
+
+impl CableMap {
+    /// First of the two nodes of element `e`.
+    #[must_use]
+    pub fn first_node(&self, e: usize) -> usize {
+        e + self.strands.partition_point(|s| s.end <= e)
+    }
+
+    /// Nodes of a strand.
+    #[must_use]
+    pub fn strand_nodes(&self, strand: usize) -> Range<usize> {
+        let elements = &self.strands[strand];
+        elements.start + strand..elements.end + strand + 1
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        self.lengths.len()
+    }
+
+    fn hermite(&self, e: usize, weights: [f64; 4]) -> Interpolation {
+        let node = self.first_node(e);
+        let (a, b) = (self.nodes[node], self.nodes[node + 1]);
+        let offsets = [a.r, a.t, b.r, b.t].map(|o| o as usize);
+        Interpolation::weighted(offsets.into_iter().zip(weights))
+    }
+
+    /// Position at `xi` of element `e`.
+    #[must_use]
+    pub fn position(&self, e: usize, xi: f64) -> Interpolation {
+        self.hermite(e, hermite::shape(xi, self.lengths[e]))
+    }
+
+    /// Tangent dr/ds there.
+    #[must_use]
+    pub fn tangent(&self, e: usize, xi: f64) -> Interpolation {
+        self.hermite(e, hermite::shape_derivative(xi, self.lengths[e]))
+    }
+}
+
+/// Places of all bodies.
+#[derive(Clone, Debug)]
+pub struct DofMap {
+    /// Cables.
+    pub cables: Vec<CableMap>,
+    /// Offsets of the shared points.
+    pub shared: Vec<usize>,
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// Number of the group of each coordinate, as entered by [`Self::add_groups`].
+    pub group: Vec<usize>,
+}
+
+impl DofMap {
+    /// Lays out the coordinates of a document.
+    ///
+    /// # Errors
+    /// [`ModelError`] for strands, lengths or shared points that do not fit.
+    pub fn new(spec: &ModelSpec, arrays: Arrays<'_>, shared: usize) -> Result<Self, ModelError> {
+        let mut cables = Vec::with_capacity(spec.cables.len());
+        let mut users: Vec<(usize, usize, u32)> = Vec::new();
+        for (c, cable) in spec.cables.iter().enumerate() {
+            let map = cable_map(cable, arrays)?;
+            let place = format!("cable '{}', shared", cable.name);
+            let pairs = arrays.whole(&cable.shared, &place)?;
+            if pairs.len() % 2 == 1 {
+                return Err(ModelError::Length {
+                    place,
+                    expected: "pairs (node, shared point)".to_owned(),
+                    got: pairs.len(),
+                });
+            }
+            for pair in pairs.chunks_exact(2) {
+                let reference = |kind, index, count| {
+                    Err(ModelError::Reference { place: place.clone(), kind, index, count })
+                };
+                if pair[0] >= map.nodes.len() {
+                    return reference("node", pair[0], map.nodes.len());
+                }
+                if pair[1] >= shared {
+                    return reference("shared point", pair[1], shared);
+                }
+                users.push((c, pair[0], pair[1] as u32));
+            }
+            cables.push(map);
+        }
+        let mut is_shared: Vec<Vec<Option<u32>>> =
+            cables.iter().map(|c: &CableMap| vec![None; c.nodes.len()]).collect();
+        for &(c, node, point) in &users {
+            is_shared[c][node] = Some(point);
+        }
+        let mut next = 0;
+        for (cable, is_shared) in cables.iter_mut().zip(&is_shared) {
+            for (node, shared) in cable.nodes.iter_mut().zip(is_shared) {
+                if shared.is_none() {
+                    node.r = next as u32;
+                    next += 3;
+                }
+                node.t = next as u32;
+                next += 3;
+            }
+        }
+        let offsets: Vec<usize> = (0..shared).map(|p| next + 3 * p).collect();
+        for (cable, is_shared) in cables.iter_mut().zip(&is_shared) {
+            for (node, shared) in cable.nodes.iter_mut().zip(is_shared) {
+                if let Some(point) = shared {
+                    node.r = offsets[*point as usize] as u32;
+                }
+            }
+        }
+        let coordinates = next + 3 * shared;
+        Ok(Self { cables, shared: offsets, coordinates, group: Vec::new() })
+    }
+
+    /// Enters the groups of unknowns of all nodes and shared points.
+    pub fn add_groups(&mut self, structure: &mut Structure) {
+        self.group = vec![0; self.coordinates];
+        let mut add = |range: Range<usize>, group: &mut Vec<usize>| {
+            group[range.clone()].fill(structure.add_group(range));
+        };
+        for cable in &self.cables {
+            for node in &cable.nodes {
+                let t = node.t as usize;
+                let first = if node.r + 3 == node.t { node.r as usize } else { t };
+                add(first..t + 3, &mut self.group);
+            }
+        }
+        for &p in &self.shared {
+            add(p..p + 3, &mut self.group);
+        }
+    }
+
+    /// Groups of the given coordinates' offsets, each once, in order of appearance.
+    #[must_use]
+    pub fn groups_of(&self, offsets: impl IntoIterator<Item = usize>) -> Vec<usize> {
+        let mut groups = Vec::new();
+        for offset in offsets {
+            let group = self.group[offset];
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        groups
+    }
+
+    /// Position of a point and, on cables, its tangent.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming `place` where the point does not exist.
+    pub fn point(
+        &self,
+        point: &PointSpec,
+        place: &str,
+    ) -> Result<(Interpolation, Option<Interpolation>), ModelError> {
+        let reference = |kind, index, count| ModelError::Reference {
+            place: place.to_owned(),
+            kind,
+            index,
+            count,
+        };
+        match *point {
+            PointSpec::World { world } => Ok((Interpolation::fixed(world), None)),
+            PointSpec::Shared { shared } => {
+                let count = self.shared.len();
+                let offset = self
+                    .shared
+                    .get(shared)
+                    .ok_or_else(|| reference("shared point", shared, count))?;
+                Ok((Interpolation::weighted([(*offset, 1.0)]), None))
+            }
+            PointSpec::Cable { cable, element, xi } => {
+                let count = self.cables.len();
+                let map = self.cables.get(cable).ok_or_else(|| reference("cable", cable, count))?;
+                if element >= map.elements() {
+                    return Err(reference("element", element, map.elements()));
+                }
+                if !(0.0..=1.0).contains(&xi) {
+                    return Err(ModelError::Value {
+                        place: place.to_owned(),
+                        value: xi,
+                        allowed: "xi from 0 to 1",
+                    });
+                }
+                Ok((map.position(element, xi), Some(map.tangent(element, xi))))
+            }
+        }
+    }
+
+    /// Name of a coordinate for messages.
+    #[must_use]
+    pub fn describe(&self, coordinate: usize) -> String {
+        let component = |offset: usize| ["x", "y", "z"][(coordinate - offset).min(2)];
+        for cable in &self.cables {
+            for (i, node) in cable.nodes.iter().enumerate() {
+                for (offset, what) in [(node.r as usize, "position"), (node.t as usize, "slope")] {
+                    if (offset..offset + 3).contains(&coordinate) {
+                        let c = component(offset);
+                        return format!("cable '{}', node {i}, {what} {c}", cable.name);
+                    }
+                }
+            }
+        }
+        match self.shared.iter().position(|&p| (p..p + 3).contains(&coordinate)) {
+            Some(p) => format!("point {p}, position {}", component(self.shared[p])),
+            None => format!("coordinate {coordinate}"),
+        }
+    }
+}
+
+/// Strands and lengths of a cable; its nodes get their places afterwards.
+fn cable_map(cable: &CableSpec, arrays: Arrays<'_>) -> Result<CableMap, ModelError> {
+    let place = |what: &str| format!("cable '{}', {what}", cable.name);
+    let strands = arrays.whole(&cable.strands, &place("strands"))?;
+    if strands.is_empty() || strands.contains(&0) {
+        return Err(ModelError::Value {
+            place: place("strands"),
+            value: 0.0,
+            allowed: "at least one strand of at least one element",
+        });
+    }
+    let elements: usize = strands.iter().sum();
+    let positive: (fn(f64) -> bool, _) = (|x| x > 0.0, "lengths are above zero");
+    let lengths = arrays.checked(&cable.lengths, &[elements], &place("lengths"), positive)?;
+    let mut ranges = Vec::with_capacity(strands.len());
+    let mut start = 0;
+    for n in strands {
+        ranges.push(start..start + n);
+        start += n;
+    }
+    let nodes = vec![NodeOffsets { r: 0, t: 0 }; elements + ranges.len()];
+    Ok(CableMap { name: cable.name.clone(), nodes, strands: ranges, lengths: lengths.to_vec() })
+}

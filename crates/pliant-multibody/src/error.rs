@@ -1,0 +1,89 @@
+//! What can be wrong with a model document.
+
+use pliant_elements::ElementError;
+
+/// A model document that cannot be turned into a system.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// Not a document of this kind.
+    #[error("the model document cannot be read: {0}")]
+    Document(#[from] serde_json::Error),
+    /// Written by another version.
+    #[error("the model document has version {found}; this build reads version {expected}")]
+    Version {
+        /// Version of the document.
+        found: u32,
+        /// Version that is read.
+        expected: u32,
+    },
+    /// A reference to an array that did not travel along.
+    #[error("{place}: array {index} is missing ({count} arrays were given)")]
+    MissingArray {
+        /// Where the array is asked for.
+        place: String,
+        /// Its number.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// An array of the wrong length.
+    #[error("{place}: expected {expected} numbers, got {got}")]
+    Length {
+        /// Where.
+        place: String,
+        /// What is allowed.
+        expected: String,
+        /// What was given.
+        got: usize,
+    },
+    /// A number out of range.
+    #[error("{place}: {value} is not allowed ({allowed})")]
+    Value {
+        /// Where.
+        place: String,
+        /// The number.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A reference to something that does not exist.
+    #[error("{place}: there is no {kind} number {index} (there are {count})")]
+    Reference {
+        /// Where.
+        place: String,
+        /// Of which kind.
+        kind: &'static str,
+        /// Its number.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// Two points that a joint brings together are apart.
+    #[error(
+        "joint '{joint}': its points are {gap:.6e} m apart at the start; they must coincide within {allowed:.1e} m"
+    )]
+    Gap {
+        /// Name of the joint.
+        joint: String,
+        /// Their distance [m].
+        gap: f64,
+        /// What is allowed [m].
+        allowed: f64,
+    },
+    /// A joint or load that its point cannot carry.
+    #[error("{place}: {reason}")]
+    Unsupported {
+        /// Where.
+        place: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// An element refused its parameters.
+    #[error("cable '{cable}': {source}")]
+    Element {
+        /// Name of the cable.
+        cable: String,
+        /// Why.
+        source: ElementError,
+    },
+}

@@ -1,0 +1,85 @@
+//! A force at a point: fixed in space, or following the tangent of a line.
+
+use super::Load;
+use crate::point::{Interpolation, Support};
+use crate::vector::vector;
+use nalgebra::{Matrix3, Vector3};
+
+/// A force fixed in space.
+#[derive(Clone, Debug)]
+pub struct DeadForce {
+    /// Where it acts.
+    pub r: Interpolation,
+}
+
+impl Load for DeadForce {
+    fn add_force(&self, value: [f64; 3], _q: &[f64], factor: f64, force: &mut [f64]) {
+        self.r.add_force(value.map(|f| factor * f), force);
+    }
+}
+
+/// A force that turns with the tangent t of a line, in the plane of the starting tangent t_0 and the given force:
+/// `F = p_t t/|t| + p_n n x t/|t|`, n normal to that plane.
+#[derive(Clone, Debug)]
+pub struct FollowerForce {
+    r: Interpolation,
+    t: Interpolation,
+    t_0: Vector3<f64>,
+    support: Support,
+}
+
+impl FollowerForce {
+    /// A force at `r` following the tangent `t`, which starts along the unit vector `t_0`.
+    #[must_use]
+    pub fn new(r: Interpolation, t: Interpolation, t_0: Vector3<f64>, support: Support) -> Self {
+        Self { r, t, t_0, support }
+    }
+
+    /// `p_t I + p_n [n]x`, which turns t/|t| into the force.
+    fn matrix(&self, value: [f64; 3]) -> Matrix3<f64> {
+        let f = vector(value);
+        let p_t = f.dot(&self.t_0);
+        Matrix3::from_diagonal_element(p_t) + self.t_0.cross(&f).cross_matrix()
+    }
+}
+
+impl Load for FollowerForce {
+    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+        let f = self.matrix(value) * vector(self.t.at(q)).normalize() * factor;
+        self.r.add_force(f.into(), force);
+    }
+
+    fn support(&self) -> Option<&Support> {
+        Some(&self.support)
+    }
+
+    fn jacobian(&self, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
+        // d(t/|t|)/dt = I/|t| - t t^T/|t|^3
+        let t = vector(self.t.at(q));
+        let l = t.norm();
+        let k = self.matrix(value) * (Matrix3::identity() / l - t * t.transpose() / l.powi(3));
+        add_outer(&self.support, &self.r, &self.t, &(k * factor), out);
+    }
+}
+
+/// `out = sum_ij w_i w_j k` over the terms of two interpolations: the Jacobian of a force at `r` that depends on `t`.
+pub(super) fn add_outer(
+    support: &Support,
+    r: &Interpolation,
+    t: &Interpolation,
+    k: &Matrix3<f64>,
+    out: &mut [f64],
+) {
+    out.fill(0.0);
+    let n = support.unknowns.len();
+    let (r, t) = (support.localize(r), support.localize(t));
+    for &(i, w_i) in &r.terms {
+        for &(j, w_j) in &t.terms {
+            for a in 0..3 {
+                for b in 0..3 {
+                    out[(i + a) * n + j + b] += w_i * w_j * k[(a, b)];
+                }
+            }
+        }
+    }
+}

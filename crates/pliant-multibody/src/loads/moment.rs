@@ -1,0 +1,42 @@
+//! A moment at a point of a line. The tangent t turns by `d theta = t x dt / |t|^2`, so the generalized force on it
+//! is `(m x t) / |t|^2`; the part of m along t does no work, for a line has no twist.
+
+use super::Load;
+use super::force::add_outer;
+use crate::point::{Interpolation, Support};
+use crate::vector::vector;
+
+/// A moment fixed in space.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    t: Interpolation,
+    support: Support,
+}
+
+impl Moment {
+    /// A moment on the tangent `t`.
+    #[must_use]
+    pub fn new(t: Interpolation, support: Support) -> Self {
+        Self { t, support }
+    }
+}
+
+impl Load for Moment {
+    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+        let t = vector(self.t.at(q));
+        let f = vector(value).cross(&t) * (factor / t.norm_squared());
+        self.t.add_force(f.into(), force);
+    }
+
+    fn support(&self) -> Option<&Support> {
+        Some(&self.support)
+    }
+
+    fn jacobian(&self, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
+        // d/dt of (m x t)/|t|^2: [m]x/|t|^2 - 2 (m x t) t^T/|t|^4
+        let (m, t) = (vector(value), vector(self.t.at(q)));
+        let l2 = t.norm_squared();
+        let k = m.cross_matrix() / l2 - m.cross(&t) * t.transpose() * (2.0 / (l2 * l2));
+        add_outer(&self.support, &self.t, &self.t, &(k * factor), out);
+    }
+}

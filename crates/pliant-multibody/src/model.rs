@@ -1,0 +1,144 @@
+//! A model made ready to compute with; it never changes during a run.
+
+use crate::dof_map::DofMap;
+use crate::error::ModelError;
+use crate::joints::Joint;
+use crate::loads::Load;
+use crate::point::{Interpolation, Support};
+use crate::signal::Value;
+use crate::spec::ModelSpec;
+use pliant_dae::error::Error;
+use pliant_dae::linear_solver::{self, LinearSolver};
+use pliant_dae::structure::Structure;
+use pliant_elements::CableBlock;
+use std::ops::Range;
+
+/// A block of elements and where its matrices lie among the element values.
+pub(crate) struct PlacedBlock {
+    pub block: CableBlock,
+    pub values: Range<usize>,
+}
+
+/// Where the elements of one strand are found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrandPlace {
+    /// Number of the block.
+    pub block: usize,
+    /// Number in the block.
+    pub cable: usize,
+    /// Number in the block of its first element.
+    pub element: usize,
+}
+
+/// A lumped mass `m r_q^T r_q`.
+pub(crate) struct Mass {
+    pub mass: f64,
+    pub r: Interpolation,
+    pub support: Support,
+    pub element: usize,
+}
+
+/// A joint, its first multiplier and its element matrix.
+pub(crate) struct PlacedJoint {
+    pub name: String,
+    pub joint: Box<dyn Joint>,
+    pub first: usize,
+    pub element: usize,
+}
+
+/// A load, its value over time and its element matrix (none for dead loads).
+pub(crate) struct PlacedLoad {
+    pub load: Box<dyn Load>,
+    pub value: Value,
+    pub element: Option<usize>,
+}
+
+/// A model made ready to compute with.
+pub struct Model {
+    pub(crate) map: DofMap,
+    pub(crate) blocks: Vec<PlacedBlock>,
+    /// Strands of each cable.
+    pub(crate) strands: Vec<Vec<StrandPlace>>,
+    /// Mass of each cable [kg].
+    pub(crate) cable_masses: Vec<f64>,
+    pub(crate) masses: Vec<Mass>,
+    pub(crate) joints: Vec<PlacedJoint>,
+    pub(crate) loads: Vec<PlacedLoad>,
+    pub(crate) gravity: [f64; 3],
+    pub(crate) structure: Structure,
+    pub(crate) multipliers: usize,
+    pub(crate) scale: Vec<f64>,
+    pub(crate) constraint_scale: Vec<f64>,
+    pub(crate) initial_q: Vec<f64>,
+    pub(crate) initial_v: Vec<f64>,
+}
+
+impl Model {
+    /// Reads a model document and the arrays that travel beside it.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming the place that is wrong.
+    pub fn from_json(document: &str, arrays: &[Vec<f64>]) -> Result<Self, ModelError> {
+        Self::new(&serde_json::from_str(document)?, arrays)
+    }
+
+    /// Makes a model ready.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming the place that is wrong.
+    pub fn new(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Self, ModelError> {
+        crate::build::build(spec, arrays)
+    }
+
+    /// Number of coordinates, and of velocities.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.map.coordinates
+    }
+
+    /// Number of multipliers.
+    #[must_use]
+    pub fn multipliers(&self) -> usize {
+        self.multipliers
+    }
+
+    /// Coordinates at the start.
+    #[must_use]
+    pub fn initial_q(&self) -> &[f64] {
+        &self.initial_q
+    }
+
+    /// Velocities at the start.
+    #[must_use]
+    pub fn initial_v(&self) -> &[f64] {
+        &self.initial_v
+    }
+
+    /// Where every node stands in the coordinates.
+    #[must_use]
+    pub fn map(&self) -> &DofMap {
+        &self.map
+    }
+
+    /// First multiplier and number of multipliers of each joint.
+    #[must_use]
+    pub fn joint_multipliers(&self) -> Vec<[usize; 2]> {
+        self.joints.iter().map(|j| [j.first, j.joint.equations()]).collect()
+    }
+
+    /// A linear solver for the model's structure.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if the analysis runs out of memory or index range.
+    pub fn solver(&self, parallel: bool) -> Result<Box<dyn LinearSolver>, Error> {
+        let options = linear_solver::Options { parallel, ..linear_solver::Options::default() };
+        linear_solver::analyze(&self.structure, options)
+            .map_err(|source| Error::Solver { t: 0.0, source })
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        self.map.cables.iter().map(crate::dof_map::CableMap::elements).sum()
+    }
+}

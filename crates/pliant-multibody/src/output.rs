@@ -1,0 +1,142 @@
+//! What is read from a state after the solve: energies, momenta, strains, forces.
+
+use crate::model::Model;
+use crate::vector::vector;
+use pliant_elements::{Block, CableBlock, Motion, Strain};
+
+impl Model {
+    /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
+    #[must_use]
+    pub fn energy(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut energy = [0.0; 3];
+        for placed in &self.blocks {
+            energy[0] += placed.block.kinetic_energy(v);
+            energy[1] += placed.block.elastic_energy(q);
+            energy[2] += placed.block.gravitational_energy(q, self.gravity);
+        }
+        for mass in &self.masses {
+            energy[0] += 0.5 * mass.mass * vector(mass.r.rate(v)).norm_squared();
+            energy[2] -= mass.mass * vector(mass.r.at(q)).dot(&vector(self.gravity));
+        }
+        energy
+    }
+
+    /// Linear momentum [kg m/s] and angular momentum about the origin [kg m^2/s].
+    #[must_use]
+    pub fn momentum(&self, q: &[f64], v: &[f64]) -> ([f64; 3], [f64; 3]) {
+        let (mut linear, mut angular) = (vector([0.0; 3]), vector([0.0; 3]));
+        for placed in &self.blocks {
+            let momentum = placed.block.momentum(q, v);
+            linear += vector(momentum.linear);
+            angular += vector(momentum.angular);
+        }
+        for mass in &self.masses {
+            let p = vector(mass.r.rate(v)) * mass.mass;
+            linear += p;
+            angular += vector(mass.r.at(q)).cross(&p);
+        }
+        (linear.into(), angular.into())
+    }
+
+    /// Total mass [kg] and first moment about the origin [kg m].
+    #[must_use]
+    pub fn masses(&self, q: &[f64]) -> (f64, [f64; 3]) {
+        let (mut total, mut moment) = (0.0, vector([0.0; 3]));
+        for placed in &self.blocks {
+            total += placed.block.mass();
+            moment += vector(placed.block.first_moment(q));
+        }
+        for mass in &self.masses {
+            total += mass.mass;
+            moment += vector(mass.r.at(q)) * mass.mass;
+        }
+        (total, moment.into())
+    }
+
+    /// Mass of a cable [kg].
+    #[must_use]
+    pub fn cable_mass(&self, cable: usize) -> f64 {
+        self.cable_masses[cable]
+    }
+
+    /// Block and number in it of each element of a cable.
+    fn elements_of(&self, cable: usize) -> impl Iterator<Item = (&CableBlock, usize)> {
+        let map = &self.map.cables[cable];
+        self.strands[cable].iter().zip(&map.strands).flat_map(|(place, range)| {
+            let block = &self.blocks[place.block].block;
+            (0..range.len()).map(move |i| (block, place.element + i))
+        })
+    }
+
+    /// Appends the axial force at the middle of each element [N]: the elastic force along the tangent, per
+    /// Green-Lagrange strain times the stretch.
+    pub fn axial_force(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable).map(|(block, e)| {
+            let conjugate = block.axial_force(e, q);
+            match block.law().strain {
+                Strain::Biot => conjugate,
+                Strain::GreenLagrange => {
+                    conjugate * (1.0 + 2.0 * block.axial_strain(e, q)).max(0.0).sqrt()
+                }
+            }
+        }));
+    }
+
+    /// Appends the axial strain at the middle of each element.
+    pub fn axial_strain(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable).map(|(block, e)| block.axial_strain(e, q)));
+    }
+
+    /// Appends the material curvature vector at the middle of each element [1/m].
+    pub fn curvature(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable).flat_map(|(block, e)| block.curvature(e, q)));
+    }
+
+    /// Force [N] and moment [N m] that a joint exerts on its first point.
+    #[must_use]
+    pub fn reaction(
+        &self,
+        joint: usize,
+        t: f64,
+        q: &[f64],
+        lambda_: &[f64],
+    ) -> ([f64; 3], [f64; 3]) {
+        let placed = &self.joints[joint];
+        let x: Vec<f64> = placed.joint.support().unknowns.iter().map(|&u| q[u]).collect();
+        let m = placed.joint.equations();
+        placed.joint.reaction(t, &x, &lambda_[placed.first..placed.first + m])
+    }
+
+    /// Force [N] that everything else exerts on a node of a cable: what its own elements' inertia, weight and
+    /// inner forces leave over.
+    #[must_use]
+    pub fn nodal_force(
+        &self,
+        cable: usize,
+        node: usize,
+        q: &[f64],
+        v: &[f64],
+        a: &[f64],
+    ) -> [f64; 3] {
+        let map = &self.map.cables[cable];
+        let motion = Motion { q, v, a };
+        let mut force = [0.0; 3];
+        for (k, place) in self.strands[cable].iter().enumerate() {
+            let nodes = map.strand_nodes(k);
+            if !nodes.contains(&node) {
+                continue;
+            }
+            let local = node - nodes.start;
+            let block = &self.blocks[place.block].block;
+            let after = (node + 1 < nodes.end).then_some((local, 0));
+            let before = local.checked_sub(1).map(|e| (e, 6));
+            for (e, first) in [before, after].into_iter().flatten() {
+                let f = block.element_force(place.element + e, motion, self.gravity);
+                for k in 0..3 {
+                    force[k] += f[first + k];
+                }
+            }
+        }
+        force
+    }
+}

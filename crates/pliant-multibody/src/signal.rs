@@ -1,0 +1,299 @@
+//! Values over time: what a [`Signal`] of the document evaluates to.
+
+use crate::error::ModelError;
+use crate::spec::Signal;
+
+/// The moment of evaluation.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Time [s], or the load factor in statics.
+    pub t: f64,
+    /// Factor of constants: 1, or the load factor in statics.
+    pub constants: f64,
+    /// What the caller's functions of time returned.
+    pub inputs: &'a [f64],
+}
+
+/// A signal checked and made ready: three components, or one for all.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// See [`Signal::Constant`].
+    Constant([f64; 3]),
+    /// See [`Signal::Input`].
+    Input {
+        /// First component.
+        first: usize,
+        /// Whether one number serves for all three.
+        scalar: bool,
+    },
+    /// See [`Signal::Table`].
+    Table(Table),
+    /// See [`Signal::Ramp`].
+    Ramp(f64),
+    /// See [`Signal::Sum`].
+    Sum(Vec<Value>),
+    /// See [`Signal::Product`].
+    Product(Vec<Value>),
+}
+
+impl Value {
+    /// Checks `signal` and makes it ready.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming `place` where sizes or numbers are wrong.
+    pub fn new(signal: &Signal, place: &str) -> Result<Self, ModelError> {
+        let all = |s: &[Signal]| s.iter().map(|s| Self::new(s, place)).collect::<Result<_, _>>();
+        Ok(match signal {
+            Signal::Constant(x) => Self::Constant(triple(x, place)?),
+            Signal::Input { first, size: 3 } => Self::Input { first: *first, scalar: false },
+            Signal::Input { first, size: 1 } => Self::Input { first: *first, scalar: true },
+            Signal::Input { size, .. } => return Err(length(place, *size)),
+            Signal::Table { times, values, period, smooth } => {
+                Self::Table(Table::new(times, values, *period, *smooth, place)?)
+            }
+            Signal::Ramp { duration } if *duration > 0.0 && duration.is_finite() => {
+                Self::Ramp(*duration)
+            }
+            Signal::Ramp { duration } => {
+                return Err(ModelError::Value {
+                    place: place.to_owned(),
+                    value: *duration,
+                    allowed: "the duration of a ramp is above zero",
+                });
+            }
+            Signal::Sum(s) => Self::Sum(all(s)?),
+            Signal::Product(s) => Self::Product(all(s)?),
+        })
+    }
+
+    /// Its value.
+    #[must_use]
+    pub fn at(&self, now: Moment<'_>) -> [f64; 3] {
+        match self {
+            Self::Constant(x) => x.map(|x| now.constants * x),
+            Self::Input { first, scalar } => {
+                let get = |k: usize| now.inputs.get(first + k).copied().unwrap_or(f64::NAN);
+                if *scalar { [get(0); 3] } else { [get(0), get(1), get(2)] }
+            }
+            Self::Table(table) => table.at(now.t),
+            Self::Ramp(duration) => {
+                // 10 s^3 - 15 s^4 + 6 s^5: velocity and acceleration vanish at both ends
+                let s = (now.t / duration).clamp(0.0, 1.0);
+                [s * s * s * (10.0 + s * (6.0 * s - 15.0)); 3]
+            }
+            Self::Sum(terms) => terms.iter().fold([0.0; 3], |sum, x| {
+                let x = x.at(now);
+                [sum[0] + x[0], sum[1] + x[1], sum[2] + x[2]]
+            }),
+            // A constant factor scales a function of time; it is not itself a load to be scaled again.
+            Self::Product(factors) => {
+                let varying = factors.iter().any(|f| !f.is_constant());
+                let now = if varying { Moment { constants: 1.0, ..now } } else { now };
+                factors.iter().fold([1.0; 3], |product, x| {
+                    let x = x.at(now);
+                    [product[0] * x[0], product[1] * x[1], product[2] * x[2]]
+                })
+            }
+        }
+    }
+
+    fn is_constant(&self) -> bool {
+        match self {
+            Self::Constant(_) => true,
+            Self::Sum(x) | Self::Product(x) => x.iter().all(Self::is_constant),
+            Self::Input { .. } | Self::Table(_) | Self::Ramp(_) => false,
+        }
+    }
+}
+
+/// Interpolation between rows of a table.
+#[derive(Clone, Debug)]
+pub struct Table {
+    times: Vec<f64>,
+    values: Vec<[f64; 3]>,
+    /// Second derivatives of the cubic spline; empty: linear.
+    second: Vec<[f64; 3]>,
+    period: Option<f64>,
+}
+
+impl Table {
+    fn new(
+        times: &[f64],
+        values: &[f64],
+        period: Option<f64>,
+        smooth: bool,
+        place: &str,
+    ) -> Result<Self, ModelError> {
+        let k = times.len();
+        let bad = |value: f64, allowed: &'static str| {
+            Err(ModelError::Value { place: place.to_owned(), value, allowed })
+        };
+        if k < 2 || (values.len() != k && values.len() != 3 * k) {
+            return Err(length(place, values.len()));
+        }
+        if let Some(pair) = times.windows(2).find(|w| w[1] <= w[0] || !w[1].is_finite()) {
+            return bad(pair[1], "the times of a table ascend");
+        }
+        if let Some(&x) = values.iter().find(|x| !x.is_finite()) {
+            return bad(x, "the values of a table are finite");
+        }
+        let span = times[k - 1] - times[0];
+        if let Some(p) = period.filter(|&p| !(p >= span * (1.0 - 1e-12) && p.is_finite())) {
+            return bad(p, "the period of a table is at least its span");
+        }
+        let rows: Vec<[f64; 3]> = if values.len() == k {
+            values.iter().map(|&x| [x; 3]).collect()
+        } else {
+            values.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
+        };
+        let mut table = Self { times: times.to_vec(), values: rows, second: Vec::new(), period };
+        if let Some(p) = period.filter(|&p| p > span * (1.0 + 1e-12)) {
+            // Close the period with its first row, so that no time lies outside the table.
+            table.times.push(times[0] + p);
+            table.values.push(table.values[0]);
+        }
+        if smooth {
+            table.second = match period {
+                None => spline(&table.times, &table.values),
+                Some(p) => periodic_spline(&table.times, &table.values, p),
+            };
+        }
+        Ok(table)
+    }
+
+    fn at(&self, t: f64) -> [f64; 3] {
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let t = match self.period {
+            Some(p) => first + (t - first).rem_euclid(p),
+            None => t.clamp(first, last),
+        };
+        let i = self.times.partition_point(|&x| x <= t).clamp(1, self.times.len() - 1) - 1;
+        let h = self.times[i + 1] - self.times[i];
+        let b = ((t - self.times[i]) / h).min(1.0);
+        let a = 1.0 - b;
+        let mut out = [0.0; 3];
+        for k in 0..3 {
+            out[k] = a * self.values[i][k] + b * self.values[i + 1][k];
+            if let [.., _] = self.second[..] {
+                out[k] += ((a * a * a - a) * self.second[i][k]
+                    + (b * b * b - b) * self.second[i + 1][k])
+                    * (h * h / 6.0);
+            }
+        }
+        out
+    }
+}
+
+/// Second derivatives of the natural cubic spline (Thomas algorithm).
+fn spline(x: &[f64], y: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let n = x.len();
+    let mut second = vec![[0.0; 3]; n];
+    let mut c = vec![0.0; n];
+    for i in 1..n - 1 {
+        let (h0, h1) = (x[i] - x[i - 1], x[i + 1] - x[i]);
+        let pivot = 2.0 * (h0 + h1) - h0 * c[i - 1];
+        c[i] = h1 / pivot;
+        for k in 0..3 {
+            let rhs = 6.0 * ((y[i + 1][k] - y[i][k]) / h1 - (y[i][k] - y[i - 1][k]) / h0);
+            second[i][k] = (rhs - h0 * second[i - 1][k]) / pivot;
+        }
+    }
+    for i in (1..n - 1).rev() {
+        for k in 0..3 {
+            second[i][k] -= c[i] * second[i + 1][k];
+        }
+    }
+    second
+}
+
+/// The same for a period: the ends of a natural spline are forgotten by a factor of about 3.7 a row, so the middle
+/// one of enough repetitions is periodic to rounding.
+fn periodic_spline(x: &[f64], y: &[[f64; 3]], period: f64) -> Vec<[f64; 3]> {
+    let rows = x.len() - 1;
+    let turns = 32_usize.div_ceil(rows);
+    let (mut xs, mut ys) = (Vec::new(), Vec::new());
+    for turn in 0..=2 * turns {
+        let shift = (turn as f64 - turns as f64) * period;
+        xs.extend(x[..rows].iter().map(|t| t + shift));
+        ys.extend_from_slice(&y[..rows]);
+    }
+    spline(&xs, &ys)[turns * rows..=(turns + 1) * rows].to_vec()
+}
+
+fn triple(x: &[f64], place: &str) -> Result<[f64; 3], ModelError> {
+    if let Some(&value) = x.iter().find(|x| !x.is_finite()) {
+        return Err(ModelError::Value {
+            place: place.to_owned(),
+            value,
+            allowed: "finite numbers",
+        });
+    }
+    match *x {
+        [a] => Ok([a; 3]),
+        [a, b, c] => Ok([a, b, c]),
+        _ => Err(length(place, x.len())),
+    }
+}
+
+fn length(place: &str, got: usize) -> ModelError {
+    ModelError::Length { place: place.to_owned(), expected: "1 or 3 components".to_owned(), got }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(signal: &Signal, t: f64) -> f64 {
+        Value::new(signal, "test").unwrap().at(Moment { t, constants: 1.0, inputs: &[] })[0]
+    }
+
+    #[test]
+    fn a_periodic_smooth_table_follows_a_sine_and_repeats() {
+        let times: Vec<f64> = (0..=40).map(|i| f64::from(i) / 40.0).collect();
+        let values = times.iter().map(|t| (std::f64::consts::TAU * t).sin()).collect();
+        let table = Signal::Table { times, values, period: Some(1.0), smooth: true };
+        for t in [0.013, 0.5, 0.987, 1.3, -0.2] {
+            // cubic spline: error 5/384 h^4 max|y''''| = 5/384 (2 pi/40)^4
+            assert!((at(&table, t) - (std::f64::consts::TAU * t).sin()).abs() < 8e-6, "{t}");
+        }
+        assert!((at(&table, 0.3) - at(&table, 7.3)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_linear_table_is_constant_outside() {
+        let table = Signal::Table {
+            times: vec![1.0, 3.0],
+            values: vec![2.0, 6.0],
+            period: None,
+            smooth: false,
+        };
+        assert_eq!([0.0, 2.0, 9.0].map(|t| at(&table, t)), [2.0, 4.0, 6.0]);
+    }
+
+    #[test]
+    fn a_ramp_times_a_constant_is_not_scaled_by_the_load_factor() {
+        let signal =
+            Signal::Product(vec![Signal::Constant(vec![5.0]), Signal::Ramp { duration: 1.0 }]);
+        let value = Value::new(&signal, "test").unwrap();
+        assert_eq!(value.at(Moment { t: 0.5, constants: 0.5, inputs: &[] })[0], 2.5);
+        assert_eq!(at(&signal, 2.0), 5.0);
+    }
+
+    #[test]
+    fn tables_refuse_bad_rows() {
+        let table = |times: Vec<f64>, period| Signal::Table {
+            values: vec![0.0; times.len()],
+            times,
+            period,
+            smooth: false,
+        };
+        for bad in [
+            table(vec![0.0], None),
+            table(vec![0.0, 0.0], None),
+            table(vec![0.0, f64::NAN], None),
+            table(vec![0.0, 2.0], Some(1.0)),
+        ] {
+            assert!(Value::new(&bad, "load 'f'").is_err());
+        }
+    }
+}

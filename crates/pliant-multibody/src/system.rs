@@ -1,0 +1,397 @@
+//! A run of a model: the [`Problem`] that the integrator sees.
+
+use crate::model::{Model, PlacedJoint};
+use crate::point::Support;
+use crate::signal::Moment;
+use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
+use pliant_dae::structure::{Storage, Structure, entry_number};
+use pliant_elements::{self as elements, Block, Motion, Parameter, Workspace};
+use std::sync::Arc;
+
+/// What the caller's functions of time return at a time, all components one after the other.
+pub type Inputs = Box<dyn FnMut(f64) -> Result<Vec<f64>, String> + Send>;
+
+/// What time means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Time [s].
+    Dynamic,
+    /// The load factor, by which gravity and constant loads are scaled.
+    Static,
+}
+
+/// Scratch memory for small dense work.
+#[derive(Default)]
+struct Scratch {
+    x: Vec<f64>,
+    phi: Vec<f64>,
+    jacobian: Vec<f64>,
+    hessian: Vec<f64>,
+}
+
+/// Integrals over the accepted steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Audit {
+    /// Energy dissipated by the material [J].
+    pub dissipated: f64,
+    /// Work of loads [J].
+    pub work: f64,
+}
+
+/// A run of a model: its inputs, scratch memory and integrals over time.
+pub struct System {
+    model: Arc<Model>,
+    inputs: Option<Inputs>,
+    mode: Mode,
+    parallel: bool,
+    /// Integrals since the start.
+    pub audit: Audit,
+    workspaces: Vec<Workspace>,
+    input_time: Option<f64>,
+    input_values: Vec<f64>,
+    scratch: Scratch,
+    /// Generalized force of the loads, and power of damping, at the last accepted point.
+    load_before: Vec<f64>,
+    load_after: Vec<f64>,
+    power_before: Option<f64>,
+}
+
+impl System {
+    /// A run of `model`: with `inputs` for functions of time, a meaning of time, and blocks worked on by all
+    /// threads of the present rayon pool where `parallel`.
+    #[must_use]
+    pub fn new(model: Arc<Model>, mode: Mode, inputs: Option<Inputs>, parallel: bool) -> Self {
+        let workspaces = model.blocks.iter().map(|_| Workspace::default()).collect();
+        Self {
+            model,
+            inputs,
+            mode,
+            parallel,
+            audit: Audit::default(),
+            workspaces,
+            input_time: None,
+            input_values: Vec::new(),
+            scratch: Scratch::default(),
+            load_before: Vec::new(),
+            load_after: Vec::new(),
+            power_before: None,
+        }
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    fn moment(&self, t: f64) -> Moment<'_> {
+        let constants = match self.mode {
+            Mode::Dynamic => 1.0,
+            Mode::Static => t,
+        };
+        Moment { t, constants, inputs: &self.input_values }
+    }
+
+    fn gravity_at(&self, t: f64) -> [f64; 3] {
+        match self.mode {
+            Mode::Dynamic => self.model.gravity,
+            Mode::Static => self.model.gravity.map(|g| t * g),
+        }
+    }
+
+    /// Asks the caller's functions of time, once for each time.
+    fn refresh_inputs(&mut self, t: f64) -> Result<(), EvaluationError> {
+        let Some(inputs) = self.inputs.as_mut() else { return Ok(()) };
+        if self.input_time == Some(t) {
+            return Ok(());
+        }
+        self.input_values =
+            inputs(t).map_err(|message| EvaluationError { message, recoverable: false })?;
+        self.input_time = Some(t);
+        Ok(())
+    }
+
+    fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
+        let now = self.moment(t);
+        for load in &self.model.loads {
+            load.load.add_force(load.value.at(now), q, factor, force);
+        }
+    }
+
+    /// Local coordinates of a support.
+    fn gather(support: &Support, q: &[f64], x: &mut Vec<f64>) {
+        x.clear();
+        x.extend(support.unknowns.iter().map(|&u| q[u]));
+    }
+
+    /// Calls `work` with each joint, its local coordinates and its range of equations.
+    fn each_joint(
+        &mut self,
+        q: &[f64],
+        mut work: impl FnMut(&PlacedJoint, &[f64], std::ops::Range<usize>),
+    ) {
+        let x = &mut self.scratch.x;
+        for joint in &self.model.joints {
+            Self::gather(joint.joint.support(), q, x);
+            work(joint, x, joint.first..joint.first + joint.joint.equations());
+        }
+    }
+
+    fn block_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        let motion = Motion { q: at.q, v: at.v, a: at.a };
+        let weights = elements::Weights {
+            mass: weights.mass,
+            damping: weights.damping,
+            stiffness: weights.stiffness,
+        };
+        for placed in &self.model.blocks {
+            let values = &mut values[placed.values.clone()];
+            placed.block.tangent(motion, weights, values, self.parallel);
+        }
+    }
+
+    fn mass_tangents(&self, weight: f64, values: &mut [f64]) {
+        for mass in &self.model.masses {
+            let n = mass.support.unknowns.len();
+            let slot = self.model.structure.slot(mass.element);
+            for number in 0..n * (n + 1) / 2 {
+                values[slot.base + number * slot.stride] = 0.0;
+            }
+            for &(o_i, w_i) in &mass.r.terms {
+                for &(o_j, w_j) in &mass.r.terms {
+                    let (i, j) = (mass.support.local(o_i), mass.support.local(o_j));
+                    for k in 0..3 {
+                        if i >= j {
+                            let number = entry_number(n, i + k, j + k, Storage::Symmetric);
+                            values[slot.base + number * slot.stride] +=
+                                weight * mass.mass * w_i * w_j;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn joint_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        let Scratch { x, jacobian, hessian, .. } = &mut self.scratch;
+        for joint in &self.model.joints {
+            Self::gather(joint.joint.support(), at.q, x);
+            let (n, m) = (x.len(), joint.joint.equations());
+            jacobian.resize(n * m, 0.0);
+            joint.joint.jacobian(at.t, x, jacobian);
+            hessian.clear();
+            hessian.resize(n * n, 0.0);
+            let lambda_ = &at.lambda_[joint.first..joint.first + m];
+            joint.joint.add_hessian(at.t, x, lambda_, weights.stiffness, hessian);
+            let slot = self.model.structure.slot(joint.element);
+            let mut set = |i: usize, j: usize, value: f64| {
+                let number = entry_number(n + m, i, j, Storage::Symmetric);
+                values[slot.base + number * slot.stride] = value;
+            };
+            for i in 0..n {
+                for j in 0..=i {
+                    set(i, j, hessian[i * n + j]);
+                }
+            }
+            for i in 0..m {
+                for j in 0..n {
+                    set(n + i, j, weights.jacobian * jacobian[i * n + j]);
+                }
+                for j in 0..=i {
+                    set(n + i, n + j, 0.0);
+                }
+            }
+        }
+    }
+
+    fn load_tangents(&self, at: Point<'_>, weight: f64, values: &mut [f64]) {
+        let now = self.moment(at.t);
+        for load in &self.model.loads {
+            if let (Some(element), Some(support)) = (load.element, load.load.support()) {
+                let slot = self.model.structure.slot(element);
+                let n = support.unknowns.len();
+                let out = &mut values[slot.base..slot.base + n * n];
+                load.load.jacobian(load.value.at(now), at.q, -weight, out);
+            }
+        }
+    }
+}
+
+impl Problem for System {
+    fn coordinates(&self) -> usize {
+        self.model.map.coordinates
+    }
+
+    fn velocities(&self) -> usize {
+        self.model.map.coordinates
+    }
+
+    fn multipliers(&self) -> usize {
+        self.model.multipliers
+    }
+
+    fn structure(&self) -> &Structure {
+        &self.model.structure
+    }
+
+    fn scale(&self) -> &[f64] {
+        &self.model.scale
+    }
+
+    fn constraint_scale(&self) -> &[f64] {
+        &self.model.constraint_scale
+    }
+
+    fn has_damping(&self) -> bool {
+        self.model.blocks.iter().any(|b| b.block.has_damping())
+    }
+
+    fn residual(
+        &mut self,
+        at: Point<'_>,
+        force: &mut [f64],
+        phi: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        self.refresh_inputs(at.t)?;
+        force.fill(0.0);
+        let gravity = self.gravity_at(at.t);
+        let motion = Motion { q: at.q, v: at.v, a: at.a };
+        for (placed, workspace) in self.model.blocks.iter().zip(&mut self.workspaces) {
+            placed.block.residual(motion, gravity, workspace, force, self.parallel);
+        }
+        for mass in &self.model.masses {
+            let a = mass.r.rate(at.a);
+            let f = [0, 1, 2].map(|k| mass.mass * (a[k] - gravity[k]));
+            mass.r.add_force(f, force);
+        }
+        self.load_forces(at.t, at.q, -1.0, force);
+        let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
+        self.each_joint(at.q, |joint, x, equations| {
+            joint.joint.residual(at.t, x, &mut phi[equations.clone()]);
+            let n = x.len();
+            jacobian.resize(n * equations.len(), 0.0);
+            joint.joint.jacobian(at.t, x, &mut jacobian);
+            for (i, row) in equations.zip(jacobian.chunks_exact(n)) {
+                for (&u, entry) in joint.joint.support().unknowns.iter().zip(row) {
+                    force[u] += entry * at.lambda_[i];
+                }
+            }
+        });
+        self.scratch.jacobian = jacobian;
+        Ok(())
+    }
+
+    fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        self.block_tangents(at, weights, values);
+        self.mass_tangents(weights.mass, values);
+        self.joint_tangents(at, weights, values);
+        self.load_tangents(at, weights.stiffness, values);
+    }
+
+    fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]) {
+        let mut v = std::mem::take(&mut self.scratch.phi);
+        self.each_joint(at.q, |joint, x, equations| {
+            Self::gather(joint.joint.support(), at.v, &mut v);
+            joint.joint.acceleration(at.t, x, &v, &mut out[equations]);
+        });
+        self.scratch.phi = v;
+    }
+
+    fn constraint_jerk(&mut self, at: Point<'_>, out: &mut [f64]) {
+        let mut v = std::mem::take(&mut self.scratch.phi);
+        let mut a = std::mem::take(&mut self.scratch.jacobian);
+        self.each_joint(at.q, |joint, x, equations| {
+            Self::gather(joint.joint.support(), at.v, &mut v);
+            Self::gather(joint.joint.support(), at.a, &mut a);
+            joint.joint.jerk(at.t, x, &v, &a, &mut out[equations]);
+        });
+        self.scratch.phi = v;
+        self.scratch.jacobian = a;
+    }
+
+    fn constraint_rate(&mut self, t: f64, q: &[f64], out: &mut [f64]) {
+        self.each_joint(q, |joint, x, equations| joint.joint.rate(t, x, &mut out[equations]));
+    }
+
+    /// Work of loads and dissipation by the trapezoidal rule over the step, second order like the step itself.
+    fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
+        let h = after.t - before.t;
+        if self.has_damping() {
+            let power = |at: Point<'_>| -> f64 {
+                self.model.blocks.iter().map(|b| b.block.dissipation(at.q, at.v)).sum()
+            };
+            let power_before = self.power_before.unwrap_or_else(|| power(before));
+            let power_after = power(after);
+            self.audit.dissipated += 0.5 * h * (power_before + power_after);
+            self.power_before = Some(power_after);
+        }
+        if !self.model.loads.is_empty() {
+            let mut load_before = std::mem::take(&mut self.load_before);
+            let mut load_after = std::mem::take(&mut self.load_after);
+            if load_before.is_empty() {
+                load_before.resize(before.q.len(), 0.0);
+                load_after.resize(before.q.len(), 0.0);
+                // Inputs that fail here have failed in the step itself.
+                if self.refresh_inputs(before.t).is_ok() {
+                    self.load_forces(before.t, before.q, 1.0, &mut load_before);
+                }
+                let _ = self.refresh_inputs(after.t);
+            }
+            load_after.fill(0.0);
+            self.load_forces(after.t, after.q, 1.0, &mut load_after);
+            let work: f64 = (0..before.q.len())
+                .map(|i| 0.5 * (load_before[i] + load_after[i]) * (after.q[i] - before.q[i]))
+                .sum();
+            self.audit.work += work;
+            self.load_before = load_after;
+            self.load_after = load_before;
+        }
+    }
+
+    /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each
+    /// load: a factor of its value.
+    fn parameters(&self) -> usize {
+        3 * self.model.strands.len() + self.model.loads.len()
+    }
+
+    fn parameter_derivative(
+        &mut self,
+        at: Point<'_>,
+        p: usize,
+        force: &mut [f64],
+        phi: &mut [f64],
+    ) {
+        force.fill(0.0);
+        phi.fill(0.0);
+        if let Some(strands) = self.model.strands.get(p / 3) {
+            let parameter =
+                [Parameter::AxialStiffness, Parameter::BendingStiffness, Parameter::MassPerLength]
+                    [p % 3];
+            let motion = Motion { q: at.q, v: at.v, a: at.a };
+            for strand in strands {
+                let block = &self.model.blocks[strand.block].block;
+                let gravity = self.gravity_at(at.t);
+                let cable = Some(strand.cable);
+                block.add_parameter_derivative(parameter, cable, motion, gravity, force);
+            }
+        } else if let Some(load) = self.model.loads.get(p - 3 * self.model.strands.len()) {
+            load.load.add_force(load.value.at(self.moment(at.t)), at.q, -1.0, force);
+        }
+    }
+
+    fn describe(&self, unknown: usize) -> String {
+        if unknown < self.model.map.coordinates {
+            return self.model.map.describe(unknown);
+        }
+        let multiplier = unknown - self.model.map.coordinates;
+        let joint = self
+            .model
+            .joints
+            .iter()
+            .find(|j| (j.first..j.first + j.joint.equations()).contains(&multiplier));
+        match joint {
+            Some(joint) => format!("joint '{}', equation {}", joint.name, multiplier - joint.first),
+            None => format!("multiplier {multiplier}"),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Runs in progress.
+
+use crate::arrays::table;
+use crate::errors::solve_error;
+use numpy::PyArray1;
+use pliant_multibody::run::{Records, Run};
+use pliant_multibody::system::Inputs;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// A run in progress.
+#[pyclass(name = "Integrator", module = "pliant._core")]
+pub struct PyIntegrator {
+    /// A run may move between threads but not be shared: the lock, never contended, says so.
+    pub run: Mutex<Run>,
+    pub failure: CallbackFailure,
+    pub sizes: [usize; 3],
+}
+
+/// The exception that the caller's function of time raised, kept until the solve has returned.
+pub type CallbackFailure = Arc<Mutex<Option<PyErr>>>;
+
+/// Wraps a Python function of time.
+pub fn inputs(callback: Option<Py<PyAny>>, failure: &CallbackFailure) -> Option<Inputs> {
+    let callback = callback?;
+    let failure = failure.clone();
+    Some(Box::new(move |t| {
+        Python::attach(|py| callback.bind(py).call1((t,))?.extract::<Vec<f64>>()).map_err(
+            |error: PyErr| {
+                let message = error.to_string();
+                if let Ok(mut slot) = failure.lock() {
+                    *slot = Some(error);
+                }
+                message
+            },
+        )
+    }))
+}
+
+/// The exception to raise for a failed solve: the caller's own where one of its functions failed.
+pub fn raise(py: Python<'_>, failure: &CallbackFailure, error: &pliant_dae::error::Error) -> PyErr {
+    match failure.lock().ok().and_then(|mut slot| slot.take()) {
+        Some(raised) => raised,
+        None => solve_error(py, error),
+    }
+}
+
+/// Records as arrays.
+pub fn records<'py>(
+    py: Python<'py>,
+    records: Records,
+    [nq, nv, nl]: [usize; 3],
+) -> PyResult<Bound<'py, PyDict>> {
+    let n = records.time.len();
+    let dict = PyDict::new(py);
+    dict.set_item("time", PyArray1::from_vec(py, records.time))?;
+    dict.set_item("q", table(py, records.q, nq)?)?;
+    dict.set_item("v", table(py, records.v, nv)?)?;
+    dict.set_item("a", table(py, records.a, nv)?)?;
+    let lambda_ = if nl == 0 {
+        numpy::PyArray2::zeros(py, [n, 0], false)
+    } else {
+        table(py, records.lambda_, nl)?
+    };
+    dict.set_item("lambda_", lambda_)?;
+    dict.set_item("energy", table(py, records.energy, 5)?)?;
+    Ok(dict)
+}
+
+impl PyIntegrator {
+    fn run(&mut self) -> &mut Run {
+        self.run.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl PyIntegrator {
+    #[getter]
+    fn time(&mut self) -> f64 {
+        self.run().state().t
+    }
+
+    #[getter]
+    fn projection(&mut self) -> f64 {
+        self.run().start().velocity_correction
+    }
+
+    #[pyo3(signature = (steps, *, output_every = 1, seconds = 0.1))]
+    fn advance(
+        &mut self,
+        py: Python<'_>,
+        steps: u64,
+        output_every: u64,
+        seconds: f64,
+    ) -> PyResult<u64> {
+        let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        let run = self.run();
+        let taken = py.detach(|| run.advance(steps, output_every, limit));
+        taken.map_err(|error| raise(py, &self.failure, &error))
+    }
+
+    fn records<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let sizes = self.sizes;
+        records(py, self.run().take_records(), sizes)
+    }
+
+    #[getter]
+    fn q<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.run().state().q)
+    }
+
+    #[getter]
+    fn v<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.run().state().v)
+    }
+
+    #[getter]
+    fn a<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.run().state().a)
+    }
+
+    #[getter]
+    fn lambda_<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.run().state().lambda_)
+    }
+
+    fn statistics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let run = self.run();
+        let solver = run.describe_solver();
+        let statistics = run.statistics();
+        let dict = PyDict::new(py);
+        dict.set_item("steps", statistics.steps)?;
+        dict.set_item("rejected", statistics.rejected)?;
+        dict.set_item("newton_iterations", statistics.newton_iterations)?;
+        dict.set_item("factorizations", statistics.factorizations)?;
+        dict.set_item("solver", solver)?;
+        let parts = PyDict::new(py);
+        parts.set_item("residual", statistics.seconds.residual)?;
+        parts.set_item("tangent", statistics.seconds.tangent)?;
+        parts.set_item("factor", statistics.seconds.factor)?;
+        parts.set_item("solve", statistics.seconds.solve)?;
+        parts.set_item("other", statistics.seconds.other)?;
+        dict.set_item("seconds", parts)?;
+        Ok(dict)
+    }
+}

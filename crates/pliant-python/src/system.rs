@@ -1,0 +1,347 @@
+//! Systems: models made ready to compute with.
+
+use crate::arrays::{row, rows, table, vectors};
+use crate::errors::{PyModelError, model_error, solve_error};
+use crate::run::{CallbackFailure, PyIntegrator, raise, records};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
+use pliant_dae::generalized_alpha::Options;
+use pliant_multibody::model::Model;
+use pliant_multibody::run::{Run, RunOptions};
+use pliant_multibody::solve::{self, StaticOptions};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::{Arc, Mutex};
+
+type Row<'py> = PyReadonlyArray1<'py, f64>;
+type Rows<'py> = PyReadonlyArray2<'py, f64>;
+type Table<'py> = Bound<'py, PyArray2<f64>>;
+
+/// A model made ready to compute with.
+#[pyclass(name = "System", module = "pliant._core", frozen)]
+pub struct PySystem {
+    model: Arc<Model>,
+}
+
+impl PySystem {
+    fn sizes(&self) -> [usize; 3] {
+        [self.model.coordinates(), self.model.coordinates(), self.model.multipliers()]
+    }
+
+    fn option_row(
+        &self,
+        array: Option<Row<'_>>,
+        what: &str,
+        n: usize,
+    ) -> PyResult<Option<Vec<f64>>> {
+        array.map(|array| row(&array, what, n)).transpose()
+    }
+
+    fn states(&self, q: &Rows<'_>) -> PyResult<Vec<f64>> {
+        Ok(rows(q, "q", self.model.coordinates())?.0)
+    }
+
+    /// `work` on each row of `q`, the results one after the other.
+    fn each(
+        &self,
+        py: Python<'_>,
+        q: &[f64],
+        work: impl Fn(&[f64], &mut Vec<f64>) + Sync,
+    ) -> Vec<f64> {
+        py.detach(|| {
+            let mut out = Vec::new();
+            for q in q.chunks_exact(self.model.coordinates().max(1)) {
+                work(q, &mut out);
+            }
+            out
+        })
+    }
+
+    fn check_cable(&self, cable: usize) -> PyResult<()> {
+        let count = self.model.map().cables.len();
+        if cable < count {
+            return Ok(());
+        }
+        Err(PyModelError::new_err(format!("there is no cable number {cable} (there are {count})")))
+    }
+}
+
+#[pymethods]
+impl PySystem {
+    #[new]
+    fn new(py: Python<'_>, spec: &str, arrays: Vec<PyReadonlyArrayDyn<'_, f64>>) -> PyResult<Self> {
+        let arrays: Vec<Vec<f64>> =
+            arrays.iter().map(|a| a.as_array().iter().copied().collect()).collect();
+        let model = py.detach(|| Model::from_json(spec, &arrays));
+        Ok(Self { model: Arc::new(model.map_err(|error| model_error(&error))?) })
+    }
+
+    #[getter]
+    fn coordinates(&self) -> usize {
+        self.model.coordinates()
+    }
+
+    #[getter]
+    fn velocities(&self) -> usize {
+        self.model.coordinates()
+    }
+
+    #[getter]
+    fn multipliers(&self) -> usize {
+        self.model.multipliers()
+    }
+
+    #[getter]
+    fn initial_q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.model.initial_q())
+    }
+
+    #[getter]
+    fn initial_v<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.model.initial_v())
+    }
+
+    fn cable_offsets<'py>(
+        &self,
+        py: Python<'py>,
+        cable: usize,
+    ) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        self.check_cable(cable)?;
+        let nodes = &self.model.map().cables[cable].nodes;
+        let flat: Vec<Vec<i64>> =
+            nodes.iter().map(|n| vec![i64::from(n.r), i64::from(n.t)]).collect();
+        Ok(PyArray2::from_vec2(py, &flat)?)
+    }
+
+    fn shared_offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.model.map().shared.iter().map(|&o| o as i64))
+    }
+
+    fn joint_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        use numpy::PyArrayMethods;
+        let joints = self.model.joint_multipliers();
+        let flat = joints.iter().flatten().map(|&x| x as i64);
+        PyArray1::from_iter(py, flat).reshape([joints.len(), 2])
+    }
+
+    fn describe_solver(&self, py: Python<'_>) -> PyResult<String> {
+        match self.model.solver(false) {
+            Ok(solver) => Ok(solver.describe()),
+            Err(error) => Err(solve_error(py, &error)),
+        }
+    }
+
+    fn masses<'py>(&self, py: Python<'py>) -> (f64, Bound<'py, PyArray1<f64>>) {
+        let (mass, moment) = self.model.masses(self.model.initial_q());
+        (mass, PyArray1::from_slice(py, &moment))
+    }
+
+    fn cable_mass(&self, cable: usize) -> PyResult<f64> {
+        self.check_cable(cable)?;
+        Ok(self.model.cable_mass(cable))
+    }
+
+    #[pyo3(signature = (*, step, spectral_radius, tolerance = None, threads = 1, q = None, v = None, inputs = None))]
+    fn integrator(
+        &self,
+        py: Python<'_>,
+        step: f64,
+        spectral_radius: f64,
+        tolerance: Option<f64>,
+        threads: usize,
+        q: Option<Row<'_>>,
+        v: Option<Row<'_>>,
+        inputs: Option<Py<PyAny>>,
+    ) -> PyResult<PyIntegrator> {
+        let n = self.model.coordinates();
+        let (q, v) = (self.option_row(q, "q", n)?, self.option_row(v, "v", n)?);
+        let failure = CallbackFailure::default();
+        let callback = crate::run::inputs(inputs, &failure);
+        let mut options = Options { spectral_radius, timed: true, ..Options::default() };
+        if let Some(tolerance) = tolerance {
+            options.newton.tolerance = tolerance;
+        }
+        let options = RunOptions { step, integrator: options, threads };
+        let run = py.detach(|| {
+            Run::new(self.model.clone(), &options, q.as_deref(), v.as_deref(), callback)
+        });
+        let run = run.map_err(|error| raise(py, &failure, &error))?;
+        Ok(PyIntegrator { run: Mutex::new(run), failure, sizes: self.sizes() })
+    }
+
+    #[pyo3(signature = (*, load_steps = 1, tolerance = None, q = None, inputs = None, poll = None))]
+    fn solve_static<'py>(
+        &self,
+        py: Python<'py>,
+        load_steps: usize,
+        tolerance: Option<f64>,
+        q: Option<Row<'py>>,
+        inputs: Option<Py<PyAny>>,
+        poll: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let q = self.option_row(q, "q", self.model.coordinates())?;
+        let failure = CallbackFailure::default();
+        let callback = crate::run::inputs(inputs, &failure);
+        let stop = failure.clone();
+        let mut poll = move |factor: f64| -> bool {
+            Python::attach(|py| {
+                let outcome = match &poll {
+                    Some(poll) => poll.bind(py).call1((factor,)).map(|_| ()),
+                    None => py.check_signals(),
+                };
+                match (outcome, stop.lock()) {
+                    (Err(error), Ok(mut slot)) => {
+                        *slot = Some(error);
+                        false
+                    }
+                    (Err(_), Err(_)) => false,
+                    (Ok(()), _) => true,
+                }
+            })
+        };
+        let options = StaticOptions { load_steps, tolerance };
+        let path =
+            py.detach(|| solve::statics(&self.model, &options, q.as_deref(), callback, &mut poll));
+        match path {
+            Ok(path) => records(py, path, self.sizes()),
+            Err((error, path)) => {
+                let raised = raise(py, &failure, &error);
+                raised.value(py).setattr("records", records(py, path, self.sizes())?)?;
+                Err(raised)
+            }
+        }
+    }
+
+    #[pyo3(signature = (count, *, q = None, lambda_ = None, t = 0.0, load_factor = false, inputs = None))]
+    fn solve_modes<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+        q: Option<Row<'py>>,
+        lambda_: Option<Row<'py>>,
+        t: f64,
+        load_factor: bool,
+        inputs: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Table<'py>)> {
+        let q = self.option_row(q, "q", self.model.coordinates())?;
+        let lambda_ = self.option_row(lambda_, "lambda_", self.model.multipliers())?;
+        let failure = CallbackFailure::default();
+        let callback = crate::run::inputs(inputs, &failure);
+        let modes = py.detach(|| {
+            let about =
+                solve::About { q: q.as_deref(), lambda_: lambda_.as_deref(), t, load_factor };
+            solve::modes(&self.model, count, about, callback)
+        });
+        let (squares, shapes) = modes.map_err(|error| raise(py, &failure, &error))?;
+        let shapes = table(py, shapes, self.model.coordinates())?;
+        Ok((PyArray1::from_vec(py, squares), shapes))
+    }
+
+    fn axial_force<'py>(
+        &self,
+        py: Python<'py>,
+        cable: usize,
+        q: Rows<'py>,
+    ) -> PyResult<Table<'py>> {
+        self.check_cable(cable)?;
+        let q = self.states(&q)?;
+        let forces = self.each(py, &q, |q, out| self.model.axial_force(cable, q, out));
+        table(py, forces, self.model.map().cables[cable].elements())
+    }
+
+    fn strain<'py>(
+        &self,
+        py: Python<'py>,
+        cable: usize,
+        q: Rows<'py>,
+    ) -> PyResult<(Table<'py>, Bound<'py, numpy::PyArray3<f64>>)> {
+        self.check_cable(cable)?;
+        let q = self.states(&q)?;
+        let elements = self.model.map().cables[cable].elements();
+        let axial = self.each(py, &q, |q, out| self.model.axial_strain(cable, q, out));
+        let curvature = self.each(py, &q, |q, out| self.model.curvature(cable, q, out));
+        Ok((table(py, axial, elements)?, vectors(py, curvature, elements)?))
+    }
+
+    fn reaction<'py>(
+        &self,
+        py: Python<'py>,
+        joint: usize,
+        time: Row<'py>,
+        q: Rows<'py>,
+        lambda_: Rows<'py>,
+    ) -> PyResult<(Table<'py>, Table<'py>)> {
+        let (q, n) = rows(&q, "q", self.model.coordinates())?;
+        let (lambda_, _) = rows(&lambda_, "lambda_", self.model.multipliers())?;
+        let time = row(&time, "time", n)?;
+        let count = self.model.joint_multipliers().len();
+        if joint >= count {
+            return Err(PyModelError::new_err(format!(
+                "there is no joint number {joint} (there are {count})"
+            )));
+        }
+        let (nq, nl) = (self.model.coordinates(), self.model.multipliers());
+        let (mut forces, mut moments) = (Vec::new(), Vec::new());
+        for ((t, q), lambda_) in time.iter().zip(q.chunks_exact(nq)).zip(lambda_.chunks_exact(nl)) {
+            let (force, moment) = self.model.reaction(joint, *t, q, lambda_);
+            forces.extend(force);
+            moments.extend(moment);
+        }
+        Ok((table(py, forces, 3)?, table(py, moments, 3)?))
+    }
+
+    fn nodal_force<'py>(
+        &self,
+        py: Python<'py>,
+        cable: usize,
+        node: usize,
+        q: Rows<'py>,
+        v: Rows<'py>,
+        a: Rows<'py>,
+    ) -> PyResult<Table<'py>> {
+        self.check_cable(cable)?;
+        let nodes = self.model.map().cables[cable].nodes.len();
+        if node >= nodes {
+            return Err(PyModelError::new_err(format!(
+                "there is no node number {node} (there are {nodes})"
+            )));
+        }
+        let (q, v, a) = (self.states(&q)?, self.states(&v)?, self.states(&a)?);
+        let n = self.model.coordinates();
+        let forces = py.detach(|| {
+            let mut out = Vec::new();
+            for ((q, v), a) in q.chunks_exact(n).zip(v.chunks_exact(n)).zip(a.chunks_exact(n)) {
+                out.extend(self.model.nodal_force(cable, node, q, v, a));
+            }
+            out
+        });
+        table(py, forces, 3)
+    }
+
+    fn energy<'py>(&self, py: Python<'py>, q: Rows<'py>, v: Rows<'py>) -> PyResult<Table<'py>> {
+        let (q, v) = (self.states(&q)?, self.states(&v)?);
+        let n = self.model.coordinates().max(1);
+        let mut out = Vec::new();
+        for (q, v) in q.chunks_exact(n).zip(v.chunks_exact(n)) {
+            out.extend(self.model.energy(q, v));
+        }
+        table(py, out, 3)
+    }
+
+    fn momentum<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        v: Rows<'py>,
+    ) -> PyResult<(Table<'py>, Table<'py>, Table<'py>)> {
+        let (q, v) = (self.states(&q)?, self.states(&v)?);
+        let n = self.model.coordinates().max(1);
+        let (mut linear, mut angular, mut first) = (Vec::new(), Vec::new(), Vec::new());
+        for (q, v) in q.chunks_exact(n).zip(v.chunks_exact(n)) {
+            let (p, l) = self.model.momentum(q, v);
+            linear.extend(p);
+            angular.extend(l);
+            first.extend(self.model.masses(q).1);
+        }
+        Ok((table(py, linear, 3)?, table(py, angular, 3)?, table(py, first, 3)?))
+    }
+}
