@@ -37,8 +37,6 @@ pub(crate) enum Verdict {
 const SLOW: f64 = 0.5;
 /// Part of the first increment that may be left over.
 const REDUCTION: f64 = 1e-6;
-/// Rounding errors of constraints, in units of their scale.
-const PHI_FLOOR: f64 = 1e-14;
 /// Successive increments without contraction after which a step has failed.
 const MAX_GROWTHS: usize = 4;
 /// Increments (in units of the scale) beyond any sense.
@@ -68,7 +66,7 @@ impl Monitor {
     }
 
     /// Judges an iteration by the size of its increment and of the constraint residual that it answers; `floor` is
-    /// the size of rounding errors.
+    /// the size of rounding errors of both.
     pub(crate) fn judge(
         &mut self,
         size: f64,
@@ -81,8 +79,7 @@ impl Monitor {
         if previous.is_none() {
             self.first_phi = phi;
         }
-        let phi_target =
-            options.constraint_tolerance.min(REDUCTION * self.first_phi).max(PHI_FLOOR);
+        let phi_target = options.constraint_tolerance.min(REDUCTION * self.first_phi).max(floor);
         let settled = phi <= phi_target;
         let target = self.target(floor, options);
         if settled && (size <= floor || previous.is_some() && size <= 0.01 * target) {
