@@ -1,12 +1,12 @@
 //! One half of a chain: its nodes from an end inwards, up to but without the middle node.
 
 use super::block::{
-    Block, N, Row, ZERO, add_part, combine, invert, invert_pivoted, pick, product,
-    subtract_transposed_product, transpose,
+    Block, N, Row, ZERO, add_part, combine, invert, invert_pivoted, minus_transposed_product, pick,
+    product, transpose, transposed_product,
 };
 use super::cap::Cap;
 use super::graph::Path;
-use crate::structure::{Slot, Storage, Structure};
+use crate::structure::{Slot, Structure};
 use pulp::{Simd, WithSimd};
 
 /// The matrix of the element between a node and the next one inwards.
@@ -199,19 +199,19 @@ impl Arm {
         values: &[f64],
     ) {
         let link = self.links[k];
-        let mut diagonal = carry.diagonal;
-        let mut coupling;
         let mut back = ZERO;
-        let mut next;
-        let Slot { base, stride, storage } = link.slot;
-        if SYMMETRIC && stride == 8 {
-            (coupling, next) = pick::<8>(values, base, link.swapped, &mut diagonal);
-        } else if SYMMETRIC && stride == 1 && storage == Storage::Symmetric {
-            (coupling, next) = pick::<1>(values, base, link.swapped, &mut diagonal);
+        let Slot { base, stride, .. } = link.slot;
+        let [mut diagonal, mut coupling, mut next] = if !SYMMETRIC {
+            link.parts(values, &carry.diagonal, &mut back)
         } else {
-            (coupling, next) = (ZERO, ZERO);
-            link.add(values, &mut diagonal, &mut coupling, &mut back, &mut next);
-        }
+            match (stride, link.swapped) {
+                (8, false) => pick::<8, false>(values, base, &carry.diagonal),
+                (8, true) => pick::<8, true>(values, base, &carry.diagonal),
+                (1, false) => pick::<1, false>(values, base, &carry.diagonal),
+                (1, true) => pick::<1, true>(values, base, &carry.diagonal),
+                _ => link.parts(values, &carry.diagonal, &mut back),
+            }
+        };
         if self.next_own < self.own.len() || self.next_double < self.doubles.len() {
             self.extras(k, values, &mut diagonal, &mut coupling, &mut back, &mut next);
         }
@@ -228,9 +228,9 @@ impl Arm {
         let w = product::<FMA>(&inverse, &coupling);
         let [plain, transposed] = &mut self.sides;
         if SYMMETRIC {
-            subtract_transposed_product::<FMA>(&mut next, &coupling, &w);
+            carry.diagonal = minus_transposed_product::<FMA>(&next, &coupling, &w);
             plain.inward[k] = [inverse, w];
-            plain.outward[k] = transpose(&w);
+            plain.outward[k] = transposed_product::<FMA>(&coupling, &inverse);
             if self.width > 0 {
                 self.extend::<FMA>(k, &inverse, &coupling);
             }
@@ -238,7 +238,7 @@ impl Arm {
             // `back` holds E^T; x = D^-T E^T carries right-hand sides inwards.
             let inverse_columns = transpose(&inverse);
             let x = product::<FMA>(&inverse_columns, &back);
-            subtract_transposed_product::<FMA>(&mut next, &back, &w);
+            carry.diagonal = minus_transposed_product::<FMA>(&next, &back, &w);
             plain.inward[k] = [inverse_columns, x];
             plain.outward[k] = transpose(&w);
             transposed.inward[k] = [inverse, w];
@@ -247,7 +247,6 @@ impl Arm {
                 self.extend_both::<FMA>(k, &inverse, &coupling, &back);
             }
         }
-        carry.diagonal = next;
     }
 
     /// Adds the elements over node `k` alone and further elements along its link.
@@ -385,6 +384,15 @@ impl Arm {
 }
 
 impl Link {
+    /// Its parts added to the node's block and to nothing, like those of [`pick`]; the coupling back goes to `back`.
+    #[inline(never)]
+    fn parts(&self, values: &[f64], diagonal: &Block, back: &mut Block) -> [Block; 3] {
+        let mut parts = [*diagonal, ZERO, ZERO];
+        let [diagonal, coupling, next] = &mut parts;
+        self.add(values, diagonal, coupling, back, next);
+        parts
+    }
+
     /// Adds its parts to the node's block, to the couplings to and (transposed) from the next one, and to the next
     /// block.
     #[inline(never)]
@@ -410,68 +418,67 @@ impl Link {
     }
 }
 
-/// A sweep over one or both arms: inwards with a right-hand side, or outwards with the solution.
+/// A sweep over one or two arms: inwards with a right-hand side, or outwards with the solution.
 pub(super) struct Sweep<'a> {
-    arms: [Option<&'a mut Arm>; 2],
-    side: usize,
-    way: Way<'a>,
+    pub(super) arm: &'a mut Arm,
+    pub(super) other: Option<&'a mut Arm>,
+    pub(super) way: Way<'a>,
+    /// Which factors: of the matrix, or of its transpose.
+    pub(super) side: usize,
 }
 
-enum Way<'a> {
+/// Direction of a sweep.
+#[derive(Clone, Copy)]
+pub(super) enum Way<'a> {
+    /// With the right-hand side; the output is what the middle node's is lessened by.
     Inwards(&'a [f64]),
+    /// With the interface's solution at each end, and that of the middle node.
     Outwards([&'a [f64]; 2], Row),
 }
 
-impl<'a> Sweep<'a> {
-    /// Inwards; the output is what both arms take from the middle node.
-    pub(super) fn forward(arms: [Option<&'a mut Arm>; 2], b: &'a [f64], side: usize) -> Self {
-        Self { arms, side, way: Way::Inwards(b) }
-    }
-
-    /// Outwards from the solution `middle`, with the interface `known` at each end.
-    pub(super) fn backward(
-        arms: [Option<&'a mut Arm>; 2],
-        known: [&'a [f64]; 2],
-        middle: Row,
-        side: usize,
-    ) -> Self {
-        Self { arms, side, way: Way::Outwards(known, middle) }
-    }
-
+impl Sweep<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) -> [Row; 2] {
-        let side = self.side;
-        let mut carries = [Row::default(); 2];
-        let [mut left, mut right] = self.arms;
-        let length = |arm: &Option<&mut Arm>| arm.as_ref().map_or(0, |arm| arm.len());
-        let (n, m) = (length(&left), length(&right));
-        match self.way {
-            Way::Inwards(b) => {
-                for (carry, arm) in carries.iter_mut().zip([&left, &right]) {
-                    *carry = arm.as_ref().map_or(Row::default(), |arm| arm.start);
+        let Self { arm, other, way, side } = self;
+        let n = arm.len();
+        match (way, other) {
+            (Way::Inwards(b), Some(other)) => {
+                let (mut c, mut d) = (arm.start, other.start);
+                for k in 0..other.len() {
+                    arm.inward::<FMA>(&mut c, k, b, side);
+                    other.inward::<FMA>(&mut d, k, b, side);
                 }
-                for k in 0..n.max(m) {
-                    if let Some(arm) = left.as_mut().filter(|_| k < n) {
-                        arm.inward::<FMA>(&mut carries[0], k, b, side);
-                    }
-                    if let Some(arm) = right.as_mut().filter(|_| k < m) {
-                        arm.inward::<FMA>(&mut carries[1], k, b, side);
-                    }
+                for k in other.len()..n {
+                    arm.inward::<FMA>(&mut c, k, b, side);
                 }
+                [c, d]
             }
-            Way::Outwards(known, middle) => {
-                carries = [middle; 2];
-                for back in 1..=n.max(m) {
-                    if let Some(arm) = left.as_mut().filter(|_| back <= n) {
-                        arm.outward::<FMA>(&mut carries[0], n - back, known[0], side);
-                    }
-                    if let Some(arm) = right.as_mut().filter(|_| back <= m) {
-                        arm.outward::<FMA>(&mut carries[1], m - back, known[1], side);
-                    }
+            (Way::Inwards(b), None) => {
+                let mut c = arm.start;
+                for k in 0..n {
+                    arm.inward::<FMA>(&mut c, k, b, side);
                 }
+                [c; 2]
+            }
+            (Way::Outwards(known, middle), Some(other)) => {
+                let (mut x, mut y) = (middle, middle);
+                for k in (other.len()..n).rev() {
+                    arm.outward::<FMA>(&mut x, k, known[0], side);
+                }
+                for k in (0..other.len()).rev() {
+                    arm.outward::<FMA>(&mut x, k, known[0], side);
+                    other.outward::<FMA>(&mut y, k, known[1], side);
+                }
+                [x, y]
+            }
+            (Way::Outwards(known, middle), None) => {
+                let mut x = middle;
+                for k in (0..n).rev() {
+                    arm.outward::<FMA>(&mut x, k, known[0], side);
+                }
+                [x; 2]
             }
         }
-        carries
     }
 }
 

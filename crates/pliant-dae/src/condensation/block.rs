@@ -99,26 +99,43 @@ pub(super) fn product<const FMA: bool>(a: &Block, b: &Block) -> Block {
     c
 }
 
-/// `c -= a^T b`.
+/// `a^T b`.
 #[inline(always)]
-pub(super) fn subtract_transposed_product<const FMA: bool>(c: &mut Block, a: &Block, b: &Block) {
+pub(super) fn transposed_product<const FMA: bool>(a: &Block, b: &Block) -> Block {
+    let mut c = ZERO;
     for i in 0..N {
         for j in 0..N {
-            c[i].add::<FMA>(-a[j].0[i], &b[j]);
+            c[i].add::<FMA>(a[j].0[i], &b[j]);
         }
     }
+    c
+}
+
+/// `c - a^T b`.
+#[inline(always)]
+pub(super) fn minus_transposed_product<const FMA: bool>(c: &Block, a: &Block, b: &Block) -> Block {
+    let ab = transposed_product::<FMA>(a, b);
+    let mut difference = ZERO;
+    for i in 0..N {
+        difference[i] = c[i].minus(&ab[i]);
+    }
+    difference
 }
 
 /// The transposed block.
 #[inline(always)]
 pub(super) fn transpose(a: &Block) -> Block {
     let mut t = ZERO;
-    for i in 0..N {
-        for j in 0..N {
-            t[j].0[i] = a[i].0[j];
-        }
+    for j in 0..N {
+        t[j] = row_of(|i| a[i].0[j]);
     }
     t
+}
+
+/// A row from its six numbers, written out: a loop of strided stores would become slow scatters.
+#[inline(always)]
+fn row_of(entry: impl Fn(usize) -> f64) -> Row {
+    Row([entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), 0.0, 0.0])
 }
 
 /// The inverse by sweeps without pivoting, and whether all pivots were safe.
@@ -211,47 +228,26 @@ pub(super) fn add_part(
     }
 }
 
-/// The parts of a symmetric 12 x 12 element matrix of fixed stride: adds its first (or, `swapped`, second) diagonal
-/// block to `diagonal`; returns the coupling of that node to the other one, and the other diagonal block.
+/// The parts of a symmetric 12 x 12 element matrix of fixed stride, seen from its first (or, `SWAPPED`, second) node:
+/// `diagonal` plus that node's block, its coupling to the other node, and the other node's block.
 #[inline(always)]
-pub(super) fn pick<const STRIDE: usize>(
+pub(super) fn pick<const STRIDE: usize, const SWAPPED: bool>(
     values: &[f64],
     base: usize,
-    swapped: bool,
-    diagonal: &mut Block,
-) -> (Block, Block) {
+    diagonal: &Block,
+) -> [Block; 3] {
+    // One bounds check for all entries.
     let v = &values[base..base + 77 * STRIDE + 1];
-    let entry = |i: usize, j: usize| v[STRIDE * (i * (i + 1) / 2 + j)];
-    let mut coupling = ZERO;
-    let mut first = ZERO;
-    let mut second = ZERO;
+    let entry = |i: usize, j: usize| {
+        let (i, j) = if i < j { (j, i) } else { (i, j) };
+        v[STRIDE * (i * (i + 1) / 2 + j)]
+    };
+    let (here, there) = if SWAPPED { (N, 0) } else { (0, N) };
+    let mut parts = [ZERO; 3];
     for i in 0..N {
-        for j in 0..=i {
-            let (a, b) = (entry(i, j), entry(N + i, N + j));
-            first[i].0[j] = a;
-            first[j].0[i] = a;
-            second[i].0[j] = b;
-            second[j].0[i] = b;
-        }
+        parts[0][i] = row_of(|j| diagonal[i].0[j] + entry(here + i, here + j));
+        parts[1][i] = row_of(|j| entry(here + i, there + j));
+        parts[2][i] = row_of(|j| entry(there + i, there + j));
     }
-    if swapped {
-        for i in 0..N {
-            for j in 0..N {
-                coupling[i].0[j] = entry(N + i, j);
-            }
-        }
-        std::mem::swap(&mut first, &mut second);
-    } else {
-        for i in 0..N {
-            for j in 0..N {
-                coupling[i].0[j] = entry(N + j, i);
-            }
-        }
-    }
-    for i in 0..N {
-        for j in 0..8 {
-            diagonal[i].0[j] += first[i].0[j];
-        }
-    }
-    (coupling, second)
+    parts
 }

@@ -5,7 +5,7 @@
 //! next coupling to the interface is `-E V`, and the interface's own matrix is lessened by `B^T V`.
 //! Two ends make two independent recurrences: they hide each other's latency, or run in two threads.
 
-use super::arm::{Arm, Carry, Own, Sweep, own};
+use super::arm::{Arm, Carry, Own, Sweep, Way, own};
 use super::block::{Block, N, Row, ZERO, combine, transpose};
 use super::graph::Path;
 use crate::structure::Structure;
@@ -108,12 +108,12 @@ impl Chain {
         let arch = Arch::new();
         let carries = if two {
             let (a, b) = rayon::join(
-                || arch.dispatch(Eliminate { arms: [Some(left), None], values, symmetric })[0],
-                || arch.dispatch(Eliminate { arms: [None, Some(right)], values, symmetric })[1],
+                || arch.dispatch(Eliminate { arm: left, other: None, values, symmetric })[0],
+                || arch.dispatch(Eliminate { arm: right, other: None, values, symmetric })[0],
             );
             [a, b]
         } else {
-            arch.dispatch(Eliminate { arms: [Some(left), Some(right)], values, symmetric })
+            arch.dispatch(Eliminate { arm: left, other: Some(right), values, symmetric })
         };
         self.finish(carries, values);
     }
@@ -190,14 +190,15 @@ impl Chain {
         left.start(b, transposed);
         right.start(b, transposed);
         let arch = Arch::new();
+        let way = Way::Inwards(b);
         let carries = if two {
             let (a, b) = rayon::join(
-                || arch.dispatch(Sweep::forward([Some(left), None], b, side))[0],
-                || arch.dispatch(Sweep::forward([None, Some(right)], b, side))[1],
+                || arch.dispatch(Sweep { arm: left, other: None, way, side })[0],
+                || arch.dispatch(Sweep { arm: right, other: None, way, side })[0],
             );
             [a, b]
         } else {
-            arch.dispatch(Sweep::forward([Some(left), Some(right)], b, side))
+            arch.dispatch(Sweep { arm: left, other: Some(right), way, side })
         };
         let middle = &self.sides[side];
         let y = Row::load(&b[self.middle..]).minus(&carries[0]).minus(&carries[1]);
@@ -225,14 +226,15 @@ impl Chain {
         let (known_left, known_right) = self.known.split_at(self.arms[0].width());
         let Self { arms: [left, right], .. } = self;
         let arch = Arch::new();
-        let known = [known_left, known_right];
+        let way = Way::Outwards([known_left, known_right], z);
         if two {
+            let other_way = Way::Outwards([known_right; 2], z);
             rayon::join(
-                || arch.dispatch(Sweep::backward([Some(left), None], known, z, side)),
-                || arch.dispatch(Sweep::backward([None, Some(right)], known, z, side)),
+                || arch.dispatch(Sweep { arm: left, other: None, way, side }),
+                || arch.dispatch(Sweep { arm: right, other: None, way: other_way, side }),
             );
         } else {
-            arch.dispatch(Sweep::backward([Some(left), Some(right)], known, z, side));
+            arch.dispatch(Sweep { arm: left, other: Some(right), way, side });
         }
         left.stop(&z, known_left, transposed);
         right.stop(&z, known_right, transposed);
@@ -254,9 +256,10 @@ impl Chain {
     }
 }
 
-/// The elimination of one or both arms.
+/// The elimination of one arm, or of two of which the other is not the longer.
 struct Eliminate<'a> {
-    arms: [Option<&'a mut Arm>; 2],
+    arm: &'a mut Arm,
+    other: Option<&'a mut Arm>,
     values: &'a [f64],
     symmetric: bool,
 }
@@ -278,34 +281,15 @@ impl WithSimd for Eliminate<'_> {
 impl Eliminate<'_> {
     #[inline(always)]
     fn run<const FMA: bool, const SYMMETRIC: bool>(self) -> [Carry; 2] {
-        let mut carries = [Carry::default(), Carry::default()];
-        let [left, right] = self.arms;
-        match (left, right) {
-            (Some(left), Some(right)) => {
-                carries = [left.first(), right.first()];
-                for k in 0..left.len().max(right.len()) {
-                    if k < left.len() {
-                        left.eliminate::<FMA, SYMMETRIC>(&mut carries[0], k, self.values);
-                    }
-                    if k < right.len() {
-                        right.eliminate::<FMA, SYMMETRIC>(&mut carries[1], k, self.values);
-                    }
-                }
+        let Self { arm, mut other, values, .. } = self;
+        let mut carry = arm.first();
+        let mut other_carry = other.as_mut().map_or(carry, |other| other.first());
+        for k in 0..arm.len() {
+            arm.eliminate::<FMA, SYMMETRIC>(&mut carry, k, values);
+            if let Some(other) = other.as_mut().filter(|other| k < other.len()) {
+                other.eliminate::<FMA, SYMMETRIC>(&mut other_carry, k, values);
             }
-            (Some(arm), None) => {
-                carries[0] = arm.first();
-                for k in 0..arm.len() {
-                    arm.eliminate::<FMA, SYMMETRIC>(&mut carries[0], k, self.values);
-                }
-            }
-            (None, Some(arm)) => {
-                carries[1] = arm.first();
-                for k in 0..arm.len() {
-                    arm.eliminate::<FMA, SYMMETRIC>(&mut carries[1], k, self.values);
-                }
-            }
-            (None, None) => {}
         }
-        carries
+        [carry, other_carry]
     }
 }
