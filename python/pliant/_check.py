@@ -120,7 +120,7 @@ def array(value: object, name: str, shape: tuple[int | None, ...], allowed: str 
         fail(name, value, f"{allowed}, not {result.shape}")
     if not np.all(np.isfinite(result)):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
-        at = where[0] if len(where) == 1 else where
+        at = ", ".join(map(str, where))
         fail(f"{name}[{at}]", float(result[where]), f"{allowed}")
     return result
 

@@ -10,7 +10,7 @@ import numpy as np
 from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
-from pliant.joints import JointData
+from pliant.joints import JointData, Pin
 from pliant.loads import LineLoad, LoadData
 from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, WorldPoint, require_handle
 from pliant.signals import Signal, Table
@@ -76,21 +76,26 @@ class Contents:
 
     def _verify(self) -> None:
         """Check what points at what, after loading."""
-        places: list[object] = []
+        places: list[tuple[object, tuple[type, ...]]] = []
         for body in self._bodies.values():
-            places.append(getattr(body, "at", None))
+            if isinstance(body, MassBody):
+                places.append((body.at, (Point, type(None))))
         for joint in self._joints.values():
-            places += [joint.a, getattr(joint, "b", None)]
-        for load in self._loads.values():
-            if isinstance(load, LineLoad):
-                self._bodies[load.body]
+            places.append((joint.a, (Point,)))
+            if isinstance(joint, Pin):
+                places.append((joint.b, (Point, WorldPoint)))
             else:
-                places.append(load.at)
-        for place in places:
+                self._line_point(joint.a, "point")
+        for load in self._loads.values():
+            if not isinstance(load, LineLoad):
+                places.append((load.at, (Point,)))
+            elif not isinstance(self._bodies[load.body], LineBody):
+                raise ModelError(f"load '{load.name}': '{load.body}' is no cable")
+        for place, kinds in places:
+            if not isinstance(place, kinds):
+                raise ModelError(f"{place!r} is no point")
             if isinstance(place, Point):
                 self._point(place, "point")
-            elif not (place is None or isinstance(place, WorldPoint)):
-                raise ModelError(f"{place!r} is no point")
 
     def _new_name(self, name: object, kind: str) -> str:
         taken = {*self._bodies, *self._joints, *self._loads}
@@ -137,7 +142,8 @@ class Contents:
         if body is None:
             _check.fail(name, value, f"this model has no body '{value.body}'")
         elements = body.elements if isinstance(body, LineBody) else 1
-        if not (0 <= value.element < elements and 0.0 <= value.xi <= 1.0):
+        nodes = body.nodes if isinstance(body, LineBody) else 1
+        if value.element >= elements or (value.node is not None and value.node >= nodes):
             _check.fail(name, value, f"body '{value.body}' of this model has {elements} elements")
         return value
 
@@ -210,7 +216,7 @@ class Contents:
             _check.fail(
                 "to",
                 str(other),
-                f"cable '{confined.name}' is curved at rest and confined to its plane; '{free.name}' leaves it",
+                f"cable '{confined.name}' is curved at rest and confined to a plane; '{free.name}' is not",
             )
 
 

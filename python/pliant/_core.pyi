@@ -88,7 +88,7 @@ class System:
         load_factor: bool = False,
         inputs: Callable[[float], FloatArray] | None = None,
     ) -> tuple[FloatArray, FloatArray]:
-        """Squares of the angular frequencies (count,) ascending [1/s^2] and shapes (count, nv), mass-normalised."""
+        """Squares of angular frequencies (count,) ascending [1/s^2], shapes (count, nv), mass-normalised."""
     def axial_force(self, cable: int, q: FloatArray) -> FloatArray:
         """Axial force [N] at mid-element, shape (n, elements), of states (n, nq)."""
     def strain(self, cable: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -134,11 +134,11 @@ class Integrator:
     @property
     def lambda_(self) -> FloatArray: ...
     def statistics(self) -> dict[str, Any]:
-        """Counters ``steps``, ``rejected``, ``newton_iterations``, ``factorizations`` and ``seconds`` by part."""
+        """``steps``, ``rejected``, ``newton_iterations``, ``factorizations`` and ``seconds`` by part."""
 
 def cable_element(cable: str, q: FloatArray, v: FloatArray) -> dict[str, Any]:
     """One cable element for tests and teaching: ``energy`` [J], ``force`` (12,), ``tangent`` (elastic),
-    ``damping`` and ``mass`` (12, 12) at coordinates (r1, t1, r2, t2) and their rates. ``cable`` is a JSON document
-    like that of a cable of one element in a model document, with its arrays inside."""
+    ``damping`` and ``mass`` (12, 12) at coordinates (r1, t1, r2, t2) and their rates. ``cable`` is a JSON
+    document like that of a cable of one element in a model document, with its arrays inside."""
 
 __version__: str

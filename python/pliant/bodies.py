@@ -22,6 +22,13 @@ GAUSS_3 = 0.5 + 0.5 * np.polynomial.legendre.leggauss(3)[0]
 GAUSS_5 = 0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0]
 LOBATTO_3 = np.array([0.0, 0.5, 1.0])
 
+CHOICES = {
+    "kind": ("cable", "net"),
+    "strain": ("green_lagrange", "biot"),
+    "integration": ("lobatto", "full"),
+    "bending": ("exact", "simplified"),
+}
+
 
 @dataclass(frozen=True, eq=False)
 class LineBody:
@@ -65,6 +72,8 @@ class LineBody:
     def __post_init__(self) -> None:
         for name in ("strands", "users"):
             object.__setattr__(self, name, _check.integers(getattr(self, name), name, (None,)))
+            if getattr(self, name).min(initial=0) < 0:
+                _check.fail(name, getattr(self, name), "must be 0 or more")
         n, e = int((self.strands + 1).sum()), int(self.strands.sum())
         shapes: dict[str, tuple[int | None, ...]] = {
             **dict.fromkeys(("r", "t", "v_r", "v_t"), (n, 3)),
@@ -80,8 +89,23 @@ class LineBody:
             shapes[name] = (1,) if np.ndim(getattr(self, name)) == 1 else (e, points)
         for name, shape in shapes.items():
             object.__setattr__(self, name, _check.array(getattr(self, name), name, shape))
-        if len(self.users) != n:
-            _check.fail("users", self.users, f"must have {n} entries")
+        if (
+            self.strands.min(initial=1) < 1
+            or e < 1
+            or len(self.users) != n
+            or len(np.unique(self.users)) != self.nodes
+        ):
+            _check.fail("users", self.users, f"must number {n} nodes of strands")
+        for name in ("lengths", "radius", "axial_stiffness", "mass_per_length"):
+            if getattr(self, name).min() <= 0:
+                _check.fail(name, getattr(self, name), "must be above 0")
+        for name in ("name", "section", "material"):
+            _check.text(getattr(self, name), name)
+        for name in ("closed", "tension_only"):
+            _check.flag(getattr(self, name), name)
+        for name, words in CHOICES.items():
+            _check.choice(getattr(self, name), name, words)
+        _check.number(self.retardation_time, "retardation_time", at_least=0)
 
     @property
     def elements(self) -> int:
@@ -164,6 +188,13 @@ class MassBody:
     at: Point | None
     position: WorldPoint
     velocity: WorldPoint
+
+    def __post_init__(self) -> None:
+        _check.text(self.name, "name")
+        _check.number(self.mass, "mass", above=0)
+        for place in (self.position, self.velocity):
+            if not isinstance(place, WorldPoint):
+                _check.fail("position", place, "must be three numbers")
 
 
 Body = LineBody | MassBody
@@ -254,9 +285,10 @@ def make_line_body(
     angular_velocity: Any,
 ) -> LineBody:
     """Discretise: stress-free lengths from the rest length or pretension of each strand, then the start."""
-    strain = _check.choice(strain, "strain", ("green_lagrange", "biot"))
-    integration = _check.choice(integration, "integration", ("lobatto", "full"))
-    bending = _check.choice(bending, "bending", ("exact", "simplified"))
+    strain, integration, bending = (
+        _check.choice(value, name, CHOICES[name])
+        for name, value in (("strain", strain), ("integration", integration), ("bending", bending))
+    )
     if not isinstance(material, (LinearElastic, SaintVenantKirchhoff)):
         _check.fail("material", material, "a cable takes pliant.LinearElastic or pliant.SaintVenantKirchhoff")
     axial, bend, mass, radius, label = _stiffness(section, material, line, integration)

@@ -107,8 +107,9 @@ def first_nodes(strands: IntArray) -> IntArray:
 
 def element_nodes(strands: IntArray) -> IntArray:
     """First node of each element, shape (elements,)."""
-    before: IntArray = np.repeat(np.arange(len(strands)), strands)
-    return before + np.arange(int(strands.sum()))
+    before = np.repeat(np.arange(len(strands)), strands)
+    first: IntArray = before + np.arange(int(strands.sum()))
+    return first
 
 
 def divide(lengths: FloatArray, elements: int) -> IntArray:
@@ -119,7 +120,7 @@ def divide(lengths: FloatArray, elements: int) -> IntArray:
     >>> divide(np.array([1.0, 3.0]), 8)
     array([2, 6])
     """
-    n = np.maximum(1, np.floor(elements * lengths / lengths.sum() * (1 + 1e-12))).astype(np.int64)
+    n: IntArray = np.maximum(1, np.floor(elements * lengths / lengths.sum() * (1 + 1e-12))).astype(np.int64)
     while n.sum() > elements:
         n[np.argmin(np.where(n > 1, lengths / np.maximum(n - 1, 1), np.inf))] -= 1
     while n.sum() < elements:

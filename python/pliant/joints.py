@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pliant import _check
 from pliant.points import Point, WorldPoint
 
 __all__ = ["Clamp", "JointData", "Pin"]
@@ -18,6 +19,10 @@ class Pin:
     b: Point | WorldPoint
     here: bool = False
 
+    def __post_init__(self) -> None:
+        _check.text(self.name, "name")
+        _check.flag(self.here, "here")
+
 
 @dataclass(frozen=True)
 class Clamp:
@@ -25,6 +30,9 @@ class Clamp:
 
     name: str
     a: Point
+
+    def __post_init__(self) -> None:
+        _check.text(self.name, "name")
 
 
 JointData = Pin | Clamp

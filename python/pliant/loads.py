@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pliant import _check
 from pliant.points import Point
 from pliant.signals import Signal
 
@@ -19,6 +20,10 @@ class Force:
     value: Signal
     follower: bool
 
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value)
+        _check.flag(self.follower, "follower")
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -27,6 +32,9 @@ class Moment:
     name: str
     at: Point
     value: Signal
+
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value)
 
 
 @dataclass(frozen=True)
@@ -37,5 +45,14 @@ class LineLoad:
     body: str
     value: Signal
 
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value)
+
 
 LoadData = Force | Moment | LineLoad
+
+
+def _check_load(name: object, value: object) -> None:
+    _check.text(name, "name")
+    if not isinstance(value, Signal) or value.size != 3:
+        _check.fail("value", value, "must be a signal of three components")

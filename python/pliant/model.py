@@ -489,7 +489,7 @@ class Model(Contents):
             for key, items, kinds in lists:
                 for entry in document[key]:
                     item = decode(entry)
-                    if not isinstance(item, kinds):
+                    if type(item) not in kinds:
                         raise ModelError(f"{key}: {type(item).__name__} does not belong here")
                     items[item.name] = item
             model._verify()

@@ -40,6 +40,13 @@ class Point:
     xi: float
     node: int | None = None
 
+    def __post_init__(self) -> None:
+        _check.text(self.body, "body")
+        _check.count(self.element, "element", at_least=0)
+        _check.number(self.xi, "xi", at_least=0, at_most=1)
+        if self.node is not None:
+            _check.count(self.node, "node", at_least=0)
+
     def __str__(self) -> str:
         place = f"node {self.node}" if self.node is not None else f"element {self.element} at {self.xi:.6g}"
         return f"{self.body}, {place}"

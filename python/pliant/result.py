@@ -327,7 +327,8 @@ class Result:
         total = np.zeros((len(self.time), 3))
         for k in range(4):
             total += np.einsum("e,nei->ni", shapes[:, k], self._records.q[:, index[:, k]])
-        return total / weights.sum()
+        total /= weights.sum()
+        return total
 
     # Pictures and files
 

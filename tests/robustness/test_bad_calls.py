@@ -1,0 +1,343 @@
+"""Wrong calls fail at once, with an error that names the argument and the value it got."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pliant as pl
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+NAN, INF = math.nan, math.inf
+
+
+def scenery() -> SimpleNamespace:
+    """A model with one of each, and a stranger."""
+    rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+    section = pl.Circle(radius=5e-3)
+    model = pl.Model(gravity=(0, 0, -9.81))
+    rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=section, material=rubber, name="rope")
+    net = model.add_cable_net(
+        [(5, 0, 0), (6, 0, 0), (6, 1, 0)], [(0, 1), (1, 2)], elements=2, section=section, material=rubber
+    )
+    ball = model.add_point_mass(1.0, at=(0, 0, 5))
+    other = pl.Model()
+    stranger = other.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=section, material=rubber)
+    kinds = {"elements": 4, "section": section, "material": rubber}
+    line = [(0, 0, 0), (1, 0, 0)]
+    arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
+    return SimpleNamespace(
+        m=model,
+        rope=rope,
+        net=net,
+        ball=ball,
+        stranger=stranger,
+        k=kinds,
+        line=line,
+        arc=arc,
+        section=section,
+    )
+
+
+def cable(s: SimpleNamespace, points: Any = None, **changes: Any) -> Any:
+    return s.m.add_cable(s.line if points is None else points, **{**s.k, **changes})
+
+
+def net(s: SimpleNamespace, points: Any, edges: Any, **changes: Any) -> Any:
+    return s.m.add_cable_net(points, edges, **{**s.k, **changes})
+
+
+def elastic(**changes: Any) -> Any:
+    return pl.LinearElastic(**{"youngs_modulus": 1e7, "poisson_ratio": 0.3, "density": 1e3, **changes})
+
+
+def run(s: SimpleNamespace, **changes: Any) -> Any:
+    return pl.simulate(s.m, **{"duration": 1.0, "step": 0.1, **changes})
+
+
+def helix(s: float) -> tuple[float, float, float]:
+    x = s / math.sqrt(2)
+    return math.cos(x), math.sin(x), x
+
+
+TRIANGLE = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+
+CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
+    # argument, value as it must appear in the message, call
+    ("gravity", "(0, 0)", lambda s: pl.Model(gravity=(0, 0))),
+    ("gravity", "nan", lambda s: pl.Model(gravity=(0, 0, NAN))),
+    ("gravity", "down", lambda s: pl.Model(gravity="down")),
+    ("gravity", "None", lambda s: pl.Model(gravity=None)),
+    ("gravity", "True", lambda s: pl.Model(gravity=(0, 0, True))),
+    # sections
+    ("radius", "0", lambda s: pl.Circle(radius=0)),
+    ("radius", "-1", lambda s: pl.Circle(radius=-1)),
+    ("radius", "nan", lambda s: pl.Circle(radius=NAN)),
+    ("radius", "True", lambda s: pl.Circle(radius=True)),
+    ("radius", "'5 mm'", lambda s: pl.Circle(radius="5 mm")),
+    ("radius", "inf", lambda s: pl.Circle(radius=INF)),
+    ("radius", "1j", lambda s: pl.Circle(radius=1j)),
+    ("inner_radius", "0.02", lambda s: pl.Tube(outer_radius=0.01, inner_radius=0.02)),
+    ("outer_radius", "-1", lambda s: pl.Tube(outer_radius=-1, inner_radius=0.02)),
+    ("height", "0", lambda s: pl.Rectangle(width=1, height=0)),
+    ("width", "[1]", lambda s: pl.Rectangle(width=[1], height=1)),
+    ("second_moments", "(1, -1)", lambda s: pl.Section(area=1, second_moments=(1, -1))),
+    ("second_moments", "1", lambda s: pl.Section(area=1, second_moments=1)),
+    ("area", "0", lambda s: pl.Section(area=0, second_moments=(1, 1))),
+    ("torsion_constant", "0", lambda s: pl.Section(area=1, second_moments=(1, 1), torsion_constant=0)),
+    # materials
+    ("youngs_modulus", "0", lambda s: elastic(youngs_modulus=0)),
+    ("youngs_modulus", "'1e7'", lambda s: elastic(youngs_modulus="1e7")),
+    ("poisson_ratio", "0.5", lambda s: elastic(poisson_ratio=0.5)),
+    ("poisson_ratio", "-1", lambda s: elastic(poisson_ratio=-1)),
+    ("density", "-1000", lambda s: elastic(density=-1000)),
+    ("density", "False", lambda s: elastic(density=False)),
+    ("retardation_time", "-0.1", lambda s: elastic(retardation_time=-0.1)),
+    ("hardness", "100", lambda s: pl.youngs_modulus_from_shore_a(100)),
+    # signals
+    ("times", "[1.0, 0.0]", lambda s: pl.Table([1.0, 0.0], [0.0, 1.0])),
+    ("times", "[0.0]", lambda s: pl.Table([0.0], [0.0])),
+    ("values", "[0.0]", lambda s: pl.Table([0.0, 1.0], [0.0])),
+    ("period", "0.5", lambda s: pl.Table([0.0, 1.0], [0.0, 1.0], period=0.5)),
+    ("smooth", "1", lambda s: pl.Table([0.0, 1.0], [0.0, 1.0], smooth=1)),
+    ("function", "5", lambda s: pl.Table.sample(5, times=[0.0, 1.0])),
+    ("duration", "0", lambda s: pl.Ramp(0)),
+    ("components", "[2, 3]", lambda s: (1, 2) * pl.Ramp(1) + pl.Table([0, 1], [(0, 0, 0), (1, 1, 1)])),
+    # cables
+    ("points", "[(0, 0, 0)]", lambda s: cable(s, [(0, 0, 0)])),
+    ("points", "[(0, 0), (1, 0)]", lambda s: cable(s, [(0, 0), (1, 0)])),
+    ("points[1, 0]", "nan", lambda s: cable(s, [(0, 0, 0), (NAN, 0, 0)])),
+    ("points[2]", "[1., 0., 0.]", lambda s: cable(s, [(0, 0, 0), (1, 0, 0), (1, 0, 0)])),
+    ("points[1]", "[0., 0., 0.]", lambda s: cable(s, [(0, 0, 0), (0, 0, 0)])),
+    ("points", "'line'", lambda s: cable(s, "line")),
+    ("points", "function", lambda s: cable(s, helix)),
+    ("points", "plane", lambda s: cable(s, pl.Curve(helix, length=3.0))),
+    ("position", "speed 2", lambda s: cable(s, pl.Curve(lambda x: (2 * x, 0, 0), length=1.0))),
+    ("length", "-1", lambda s: pl.Curve(helix, length=-1)),
+    ("position", "3", lambda s: pl.Curve(3, length=1)),
+    ("position(0)", "(0, 0)", lambda s: cable(s, pl.Curve(lambda x: (0, 0), length=1))),
+    ("elements", "0", lambda s: cable(s, elements=0)),
+    ("elements", "2.5", lambda s: cable(s, elements=2.5)),
+    ("elements", "True", lambda s: cable(s, elements=True)),
+    ("elements", "200000000", lambda s: cable(s, elements=200_000_000)),
+    ("elements", "1", lambda s: cable(s, TRIANGLE, elements=1)),
+    ("section", "0.01", lambda s: cable(s, section=0.01)),
+    ("section", "Rectangle(width=0.01, height=0.02)", lambda s: cable(s, section=pl.Rectangle(0.01, 0.02))),
+    ("section", "4 elements", lambda s: cable(s, section=[s.section] * 3)),
+    ("section[1]", "None", lambda s: cable(s, section=[s.section, None, s.section, s.section])),
+    ("section(0)", "7", lambda s: cable(s, section=lambda x: 7)),
+    ("material", "'steel'", lambda s: cable(s, material="steel")),
+    ("rest", "'bent'", lambda s: cable(s, rest="bent")),
+    ("rest_length", "0", lambda s: cable(s, rest_length=0)),
+    ("rest_length", "function", lambda s: cable(s, rest_length=lambda t: 1 - t)),
+    ("pretension", "-5", lambda s: cable(s, pretension=-5)),
+    ("pretension", "5", lambda s: cable(s, pretension=5, rest_length=1)),
+    ("closed", "1", lambda s: cable(s, TRIANGLE, closed=1)),
+    ("points", "closed", lambda s: cable(s, closed=True)),
+    ("closed", "True", lambda s: cable(s, s.arc, closed=True)),
+    ("tension_only", "'yes'", lambda s: cable(s, tension_only="yes")),
+    ("strain", "'log'", lambda s: cable(s, strain="log")),
+    ("integration", "'gauss'", lambda s: cable(s, integration="gauss")),
+    ("bending", "None", lambda s: cable(s, bending=None)),
+    ("initial", "(2, 3)", lambda s: cable(s, initial=np.zeros((2, 3)))),
+    ("velocity", "(1, 2)", lambda s: cable(s, velocity=(1, 2))),
+    ("velocity", "(4, 3)", lambda s: cable(s, velocity=np.zeros((4, 3)))),
+    ("velocity", "fast", lambda s: cable(s, velocity="fast")),
+    ("velocity", "normal", lambda s: cable(s, s.arc, velocity=(0, 1, 0))),
+    ("velocity(positions)", "(3,)", lambda s: cable(s, velocity=lambda x: x[0])),
+    ("angular_velocity", "5", lambda s: cable(s, angular_velocity=5)),
+    ("name", "'rope'", lambda s: cable(s, name="rope")),
+    ("name", "''", lambda s: cable(s, name="")),
+    ("name", "7", lambda s: cable(s, name=7)),
+    # nets
+    ("edges", "[]", lambda s: net(s, TRIANGLE, np.empty((0, 2)))),
+    ("edges[1]", "[1, 3]", lambda s: net(s, TRIANGLE, [(0, 1), (1, 3)])),
+    ("edges[0]", "[1, 1]", lambda s: net(s, TRIANGLE, [(1, 1)])),
+    ("edges", "0.5", lambda s: net(s, TRIANGLE, [(0, 0.5)])),
+    ("points[2]", "[0., 1., 0.]", lambda s: net(s, TRIANGLE, [(0, 1)])),
+    ("elements", "0", lambda s: net(s, TRIANGLE, [(0, 1), (1, 2)], elements=0)),
+    ("elements", "[1, 2, 3]", lambda s: net(s, TRIANGLE, [(0, 1), (1, 2)], elements=[1, 2, 3])),
+    ("rest_lengths[1]", "-1", lambda s: net(s, TRIANGLE, [(0, 1), (1, 2)], rest_lengths=[1, -1])),
+    ("pretension", "'5 N'", lambda s: net(s, TRIANGLE, [(0, 1), (1, 2)], pretension="5 N")),
+    # masses and points
+    ("mass", "0", lambda s: s.m.add_point_mass(0, at=(0, 0, 0))),
+    ("at", "'here'", lambda s: s.m.add_point_mass(1, at="here")),
+    ("at", "Cable", lambda s: s.m.add_point_mass(1, at=s.rope)),
+    ("velocity", "(1, 0, 0)", lambda s: s.m.add_point_mass(1, at=s.rope.end, velocity=(1, 0, 0))),
+    ("s", "1.5", lambda s: s.rope.at(1.5)),
+    ("s", "-0.1", lambda s: s.rope.at(-0.1)),
+    ("s", "nan", lambda s: s.rope.at(NAN)),
+    ("i", "5", lambda s: s.rope.node(5)),
+    ("i", "1.0", lambda s: s.rope.node(1.0)),
+    ("i", "99", lambda s: s.net.node(99)),
+    ("name", "'chain'", lambda s: s.m["chain"]),
+    ("name", "3", lambda s: s.m[3]),
+    # joints
+    ("point", "(0, 0, 0)", lambda s: s.m.pin((0, 0, 0))),
+    ("point", "Cable", lambda s: s.m.pin(s.rope)),
+    ("point", "another model", lambda s: s.m.pin(s.stranger.end)),
+    ("to", "another model", lambda s: s.m.pin(s.rope.end, s.stranger.end)),
+    ("to", "4 m apart", lambda s: s.m.pin(s.rope.end, s.net.node(0))),
+    ("to", "(0, 0, 0)", lambda s: s.m.pin(s.rope.end, (0, 0, 0))),
+    ("to", "same point", lambda s: s.m.pin(s.rope.end, s.rope.end)),
+    ("to", "'wall'", lambda s: s.m.pin(s.rope.end, "wall")),
+    ("point", "point of a cable", lambda s: s.m.clamp(s.ball.center)),
+    ("point", "(1, 0, 0)", lambda s: s.m.clamp((1, 0, 0))),
+    # loads
+    ("force", "(1, 2)", lambda s: s.m.add_force(s.rope.end, (1, 2))),
+    ("force", "inf", lambda s: s.m.add_force(s.rope.end, (0, 0, INF))),
+    ("force", "5", lambda s: s.m.add_force(s.rope.end, 5)),
+    ("force(0.0)", "[1, 2]", lambda s: s.m.add_force(s.rope.end, lambda t: (1, 2))),
+    ("force(0.0)", "nan", lambda s: s.m.add_force(s.rope.end, lambda t: (0, 0, NAN))),
+    ("force", "failed", lambda s: s.m.add_force(s.rope.end, lambda t: 1 / 0)),
+    ("force", "components", lambda s: s.m.add_force(s.rope.end, pl.Ramp(1))),
+    ("follower", "0", lambda s: s.m.add_force(s.rope.end, (0, 0, 1), follower=0)),
+    ("follower", "True", lambda s: s.m.add_force(s.ball, (0, 0, 1), follower=True)),
+    ("point", "'tip'", lambda s: s.m.add_force("tip", (0, 0, 1))),
+    ("force", "plane", lambda s: s.m.add_force(cable(s, s.arc).end, (0, 1, 0))),
+    ("moment", "normal", lambda s: s.m.add_moment(cable(s, s.arc).end, (1, 0, 0))),
+    ("moment", "'big'", lambda s: s.m.add_moment(s.rope.end, "big")),
+    ("point", "point of a cable", lambda s: s.m.add_moment(s.ball.center, (1, 0, 0))),
+    ("cable", "PointMass", lambda s: s.m.add_line_load(s.ball, (0, 0, 1))),
+    ("cable", "'rope'", lambda s: s.m.add_line_load("rope", (0, 0, 1))),
+    ("force_per_length", "None", lambda s: s.m.add_line_load(s.rope, None)),
+    # runs
+    ("model", "3", lambda s: pl.simulate(3, duration=1.0, step=0.1)),
+    ("model", "no bodies", lambda s: pl.simulate(pl.Model(), duration=1.0, step=0.1)),
+    ("duration", "0", lambda s: run(s, duration=0)),
+    ("duration", "inf", lambda s: run(s, duration=INF)),
+    ("step", "-0.1", lambda s: run(s, step=-0.1)),
+    ("step", "'auto'", lambda s: run(s, step="auto")),
+    ("step", "1e-12", lambda s: run(s, step=1e-12)),
+    ("spectral_radius", "1.5", lambda s: run(s, spectral_radius=1.5)),
+    ("output_every", "0", lambda s: run(s, output_every=0)),
+    ("tolerance", "0", lambda s: run(s, tolerance=0)),
+    ("threads", "0", lambda s: run(s, threads=0)),
+    ("threads", "True", lambda s: run(s, threads=True)),
+    ("progress", "'bar'", lambda s: run(s, progress="bar")),
+    ("start", "'last'", lambda s: run(s, start="last")),
+    ("load_steps", "0", lambda s: pl.solve_static(s.m, load_steps=0)),
+    ("count", "0", lambda s: pl.solve_modes(s.m, count=0)),
+    ("about", "7", lambda s: pl.solve_modes(s.m, about=7)),
+]
+
+
+@pytest.mark.parametrize(
+    ("argument", "value", "call"), CATALOGUE, ids=[f"{k}-{entry[0]}" for k, entry in enumerate(CATALOGUE)]
+)
+def test_bad_call(argument: str, value: str, call: Callable[[SimpleNamespace], Any]) -> None:
+    s = scenery()
+    with pytest.raises(pl.ModelError) as caught:
+        call(s)
+    assert argument in str(caught.value)
+    assert value in str(caught.value)
+
+
+def test_the_catalogue_is_long_enough() -> None:
+    assert len(CATALOGUE) >= 60
+
+
+def test_a_bad_call_leaves_the_model_as_it_was() -> None:
+    s = scenery()
+    before = s.m.to_document()
+    for _, _, call in CATALOGUE:
+        if call.__code__.co_names and "arc" not in call.__code__.co_names:
+            with pytest.raises(pl.ModelError):
+                call(s)
+    assert s.m.to_document() == before
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        '{"format": "pliant-model", "version": 99}',
+        '{"format": "pliant-model", "version": 1}',
+        "\0",
+    ],
+)
+def test_damaged_model_files(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "model.json"
+    path.write_text(text)
+    with pytest.raises(pl.FileError, match=r"model\.json"):
+        pl.Model.load(path)
+
+
+def test_missing_model_file(tmp_path: Path) -> None:
+    with pytest.raises(pl.FileError, match=r"none\.json"):
+        pl.Model.load(tmp_path / "none.json")
+    with pytest.raises(pl.FileError, match="nowhere"):
+        pl.Model().save(tmp_path / "nowhere" / "model.json")
+
+
+def _leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    if isinstance(node, dict):
+        return [leaf for key, item in node.items() for leaf in _leaves(item, (*path, key))]
+    if isinstance(node, list) and node and not isinstance(node[0], (int, float)):
+        return [leaf for key, item in enumerate(node) for leaf in _leaves(item, (*path, key))]
+    return [path]
+
+
+@settings(deadline=None, max_examples=200)
+@given(data=st.data())
+def test_altered_model_documents_are_refused_or_valid(data: st.DataObject) -> None:
+    s = scenery()
+    s.m.pin(s.rope.start)
+    s.m.add_force(s.rope.end, (0, 0, 1) * pl.Ramp(1))
+    document = json.loads(json.dumps(s.m.to_document()))
+    path = data.draw(st.sampled_from(_leaves(document)))
+    value = data.draw(st.sampled_from([None, -1, 1e300, "x", [], {}, [[1]], True, {"type": "Point"}, 10**9]))
+    node = document
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] = value
+    with contextlib.suppress(pl.FileError):
+        str(pl.Model.from_document(document))
+
+
+ANYTHING = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.text(max_size=5),
+    st.floats(),
+    st.integers(),
+    st.complex_numbers(),
+    st.lists(st.floats()),
+)
+
+
+@settings(deadline=None)
+@given(value=ANYTHING)
+def test_constructors_take_positive_numbers_only(value: Any) -> None:
+    good = isinstance(value, (int, float)) and not isinstance(value, bool) and 0 < value < math.inf
+    for build in (pl.Circle, pl.Ramp, lambda x: pl.Rectangle(x, 1.0), lambda x: elastic(youngs_modulus=x)):
+        if good:
+            try:
+                build(value)
+            except pl.ModelError:
+                assert value > 1e300
+        else:
+            with pytest.raises(pl.ModelError):
+                build(value)
+
+
+@settings(deadline=None)
+@given(value=st.one_of(ANYTHING, st.lists(st.lists(st.floats(), max_size=4), max_size=4)))
+def test_points_are_checked(value: Any) -> None:
+    s = scenery()
+    try:
+        s.m.add_cable(value, **s.k)
+    except pl.ModelError:
+        return
+    assert np.asarray(value).shape[1] == 3
+    assert np.isfinite(np.asarray(value)).all()
