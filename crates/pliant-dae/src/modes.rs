@@ -243,7 +243,7 @@ fn krylov_modes<P: Problem + ?Sized>(
             let y = inverse.apply(&mass_basis[j]);
             images.push(extend(&inverse, &mut basis, &mut mass_basis, y));
         }
-        let inside = DMatrix::from_fn(size, size, |i, j| images[j][i]);
+        let inside = DMatrix::from_fn(size, size, |i, j| images[j].get(i).copied().unwrap_or(0.0));
         let eigen = SymmetricEigen::new(0.5 * (&inside + inside.transpose()));
         let mut order: Vec<usize> = (0..size).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[j].abs().total_cmp(&eigen.eigenvalues[i].abs()));
