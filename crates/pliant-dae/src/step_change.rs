@@ -9,8 +9,8 @@
 //! would feed the multipliers' noise back and grow without bound.
 
 use crate::error::Error;
-use crate::generalized_alpha::Integrator;
 use crate::initial::{consistent_acceleration, normal_component};
+use crate::integrator::Integrator;
 use crate::problem::Problem;
 use crate::scaling::weighted_max;
 
