@@ -13,15 +13,15 @@ use std::time::{Duration, Instant};
 const ALONE: Options = Options { condense: true, parallel: false, dense_limit: 240 };
 const SPARSE: Options = Options { condense: false, ..ALONE };
 
+const SKEW: Material = Material { skew: 0.1, ..SOFT };
+
 fn chains(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("chain");
     group.sample_size(20).warm_up_time(Duration::from_millis(300));
     group.measurement_time(Duration::from_secs(1));
     for n in [100, 300, 1000, 10_000] {
         group.throughput(Throughput::Elements(n as u64));
-        for (name, material) in
-            [("soft", SOFT), ("stiff", STIFF), ("skew", Material { skew: 0.1, ..SOFT })]
-        {
+        for (name, material) in [("soft", SOFT), ("stiff", STIFF), ("skew", SKEW)] {
             let system = pinned_chain(n, material);
             let mut solver = match analyze(&system.structure, ALONE) {
                 Ok(solver) => solver,
@@ -77,6 +77,21 @@ fn table_row(name: &str, system: &System, options: Options) {
 fn reflector(_: &mut Criterion) {
     if std::env::args().any(|argument| argument.contains("chain")) {
         return;
+    }
+    for n in [100, 300, 1000, 10_000] {
+        for (name, material) in [("symmetric", STIFF), ("unsymmetric", SKEW)] {
+            let system = pinned_chain(n, material);
+            let Ok(mut solver) = analyze(&system.structure, ALONE) else { return };
+            let mut x = vec![1.0; system.structure.unknowns()];
+            let factor = best(300, || drop(solver.factor(&system.structure, &system.values)));
+            let solve = best(300, || solver.solve(&mut x));
+            let per_node = 1e6 / n as f64;
+            println!(
+                "chain of {n}, {name}: factor {:.0}, solve {:.1} ns a node",
+                factor * per_node,
+                solve * per_node
+            );
+        }
     }
     println!("| matrix, back end | analysis ms | factor ms | solve ms | residual | | |");
     let skew = Material { skew: 0.02, ..STIFF };

@@ -1,8 +1,8 @@
 //! One half of a chain: its nodes from an end inwards, up to but without the middle node.
 
 use super::block::{
-    Block, N, Row, ZERO, add_part, combine, invert, invert_pivoted, minus_transposed_product, pick,
-    product, transpose, transposed_product,
+    Block, Lanes, N, PLAIN, Row, Wide, ZERO, add_part, combine, invert, invert_pivoted,
+    minus_transposed_product, pick, product, transpose, transposed_product,
 };
 use super::cap::Cap;
 use super::graph::Path;
@@ -192,8 +192,9 @@ impl Arm {
 
     /// Eliminates node `k`.
     #[inline(always)]
-    pub(super) fn eliminate<const FMA: bool, const SYMMETRIC: bool>(
+    pub(super) fn eliminate<L: Lanes, const SYMMETRIC: bool>(
         &mut self,
+        l: L,
         carry: &mut Carry,
         k: usize,
         values: &[f64],
@@ -215,7 +216,7 @@ impl Arm {
         if self.next_own < self.own.len() || self.next_double < self.doubles.len() {
             self.extras(k, values, &mut diagonal, &mut coupling, &mut back, &mut next);
         }
-        let (mut inverse, safe) = invert::<FMA>(&diagonal);
+        let (mut inverse, safe) = invert(l, &diagonal);
         if !safe {
             carry.suspect = true;
             match invert_pivoted(&diagonal) {
@@ -225,26 +226,26 @@ impl Arm {
                 }
             }
         }
-        let w = product::<FMA>(&inverse, &coupling);
+        let w = product(l, &inverse, &coupling);
         let [plain, transposed] = &mut self.sides;
         if SYMMETRIC {
-            carry.diagonal = minus_transposed_product::<FMA>(&next, &coupling, &w);
+            carry.diagonal = minus_transposed_product(l, &next, &coupling, &w);
             plain.inward[k] = [inverse, w];
-            plain.outward[k] = transposed_product::<FMA>(&coupling, &inverse);
+            plain.outward[k] = transposed_product(l, &coupling, &inverse);
             if self.width > 0 {
-                self.extend::<FMA>(k, &inverse, &coupling);
+                self.extend(l, k, &inverse, &coupling);
             }
         } else {
             // `back` holds E^T; x = D^-T E^T carries right-hand sides inwards.
             let inverse_columns = transpose(&inverse);
-            let x = product::<FMA>(&inverse_columns, &back);
-            carry.diagonal = minus_transposed_product::<FMA>(&next, &back, &w);
+            let x = product(l, &inverse_columns, &back);
+            carry.diagonal = minus_transposed_product(l, &next, &back, &w);
             plain.inward[k] = [inverse_columns, x];
             plain.outward[k] = transpose(&w);
             transposed.inward[k] = [inverse, w];
             transposed.outward[k] = transpose(&x);
             if self.width > 0 {
-                self.extend_both::<FMA>(k, &inverse, &coupling, &back);
+                self.extend_both(l, k, &inverse, &coupling, &back);
             }
         }
     }
@@ -274,29 +275,30 @@ impl Arm {
 
     /// Extends the coupling to the interface from node `k` to the next one.
     #[inline(always)]
-    fn extend<const FMA: bool>(&mut self, k: usize, inverse: &Block, coupling: &Block) {
+    fn extend<L: Lanes>(&mut self, l: L, k: usize, inverse: &Block, coupling: &Block) {
         let m = self.width;
         let factors = &mut self.sides[0];
         let spread = &mut factors.spread[k * m..(k + 1) * m];
         for c in 0..m {
-            spread[c] = combine::<FMA>(inverse, &self.reach[c]);
+            spread[c] = combine(l, inverse, &self.reach[c]);
         }
         for c in 0..m {
             for d in 0..m {
                 let mut lanes = Row::default();
-                lanes.add_products::<FMA>(&self.reach[c], &spread[d]);
+                lanes.add_products(l, &self.reach[c], &spread[d]);
                 self.schur[c * m + d] -= lanes.sum();
             }
         }
         for c in 0..m {
-            self.reach[c] = Row::default().minus(&combine::<FMA>(coupling, &spread[c]));
+            self.reach[c] = Row::default().minus(l, &combine(l, coupling, &spread[c]));
         }
     }
 
     /// The same for an unsymmetric matrix.
     #[inline(always)]
-    fn extend_both<const FMA: bool>(
+    fn extend_both<L: Lanes>(
         &mut self,
+        l: L,
         k: usize,
         inverse: &Block,
         coupling: &Block,
@@ -307,22 +309,22 @@ impl Arm {
         let at = k * m;
         let [plain, transposed] = &mut self.sides;
         for c in 0..m {
-            plain.spread[at + c] = combine::<FMA>(&inverse_columns, &self.reach[c]);
-            plain.gather[at + c] = combine::<FMA>(inverse, &self.reach_rows[c]);
+            plain.spread[at + c] = combine(l, &inverse_columns, &self.reach[c]);
+            plain.gather[at + c] = combine(l, inverse, &self.reach_rows[c]);
             transposed.gather[at + c] = plain.spread[at + c];
             transposed.spread[at + c] = plain.gather[at + c];
         }
         for c in 0..m {
             for d in 0..m {
                 let mut lanes = Row::default();
-                lanes.add_products::<FMA>(&self.reach_rows[c], &plain.spread[at + d]);
+                lanes.add_products(l, &self.reach_rows[c], &plain.spread[at + d]);
                 self.schur[c * m + d] -= lanes.sum();
             }
         }
         for c in 0..m {
             let (v, u) = (&plain.spread[at + c], &plain.gather[at + c]);
-            self.reach[c] = Row::default().minus(&combine::<FMA>(back, v));
-            self.reach_rows[c] = Row::default().minus(&combine::<FMA>(coupling, u));
+            self.reach[c] = Row::default().minus(l, &combine(l, back, v));
+            self.reach_rows[c] = Row::default().minus(l, &combine(l, coupling, u));
         }
     }
 
@@ -343,33 +345,33 @@ impl Arm {
 
     /// Takes the right-hand side from node `k` to the next one.
     #[inline(always)]
-    fn inward<const FMA: bool>(&mut self, carry: &mut Row, k: usize, b: &[f64], side: usize) {
-        let y = Row::load(&b[self.nodes[k] as usize..]).minus(carry);
+    fn inward<L: Lanes>(&mut self, l: L, carry: &mut Row, k: usize, b: &[f64], side: usize) {
+        let y = Row::load(&b[self.nodes[k] as usize..]).minus(l, carry);
         let factors = &self.sides[side];
         let [inverse, forward] = &factors.inward[k];
-        *carry = combine::<FMA>(forward, &y);
-        self.z[k] = combine::<FMA>(inverse, &y);
+        *carry = combine(l, forward, &y);
+        self.z[k] = combine(l, inverse, &y);
         let m = self.width;
         if m > 0 {
             let rows = if self.symmetric { &factors.spread } else { &factors.gather };
             for (share, row) in self.shares.iter_mut().zip(&rows[k * m..(k + 1) * m]) {
-                share.add_products::<FMA>(row, &y);
+                share.add_products(l, row, &y);
             }
         }
     }
 
     /// Takes the solution from the next node to node `k`.
     #[inline(always)]
-    fn outward<const FMA: bool>(&mut self, x: &mut Row, k: usize, known: &[f64], side: usize) {
+    fn outward<L: Lanes>(&mut self, l: L, x: &mut Row, k: usize, known: &[f64], side: usize) {
         let factors = &self.sides[side];
         let mut z = self.z[k];
         let m = self.width;
         if m > 0 {
             for (x, row) in known.iter().zip(&factors.spread[k * m..(k + 1) * m]) {
-                z.add::<FMA>(-x, row);
+                z.add(l, -x, row);
             }
         }
-        *x = z.minus(&combine::<FMA>(&factors.outward[k], x));
+        *x = z.minus(l, &combine(l, &factors.outward[k], x));
         self.z[k] = *x;
     }
 
@@ -438,43 +440,43 @@ pub(super) enum Way<'a> {
 
 impl Sweep<'_> {
     #[inline(always)]
-    fn run<const FMA: bool>(self) -> [Row; 2] {
+    fn run<L: Lanes>(self, l: L) -> [Row; 2] {
         let Self { arm, other, way, side } = self;
         let n = arm.len();
         match (way, other) {
             (Way::Inwards(b), Some(other)) => {
                 let (mut c, mut d) = (arm.start, other.start);
                 for k in 0..other.len() {
-                    arm.inward::<FMA>(&mut c, k, b, side);
-                    other.inward::<FMA>(&mut d, k, b, side);
+                    arm.inward(l, &mut c, k, b, side);
+                    other.inward(l, &mut d, k, b, side);
                 }
                 for k in other.len()..n {
-                    arm.inward::<FMA>(&mut c, k, b, side);
+                    arm.inward(l, &mut c, k, b, side);
                 }
                 [c, d]
             }
             (Way::Inwards(b), None) => {
                 let mut c = arm.start;
                 for k in 0..n {
-                    arm.inward::<FMA>(&mut c, k, b, side);
+                    arm.inward(l, &mut c, k, b, side);
                 }
                 [c; 2]
             }
             (Way::Outwards(known, middle), Some(other)) => {
                 let (mut x, mut y) = (middle, middle);
                 for k in (other.len()..n).rev() {
-                    arm.outward::<FMA>(&mut x, k, known[0], side);
+                    arm.outward(l, &mut x, k, known[0], side);
                 }
                 for k in (0..other.len()).rev() {
-                    arm.outward::<FMA>(&mut x, k, known[0], side);
-                    other.outward::<FMA>(&mut y, k, known[1], side);
+                    arm.outward(l, &mut x, k, known[0], side);
+                    other.outward(l, &mut y, k, known[1], side);
                 }
                 [x, y]
             }
             (Way::Outwards(known, middle), None) => {
                 let mut x = middle;
                 for k in (0..n).rev() {
-                    arm.outward::<FMA>(&mut x, k, known[0], side);
+                    arm.outward(l, &mut x, k, known[0], side);
                 }
                 [x; 2]
             }
@@ -486,7 +488,12 @@ impl WithSimd for Sweep<'_> {
     type Output = [Row; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [Row; 2] {
-        if S::IS_SCALAR { self.run::<false>() } else { self.run::<true>() }
+    fn with_simd<S: Simd>(self, simd: S) -> [Row; 2] {
+        match S::F64_LANES {
+            8 => self.run(Wide::<S, 1>(simd)),
+            4 => self.run(Wide::<S, 2>(simd)),
+            2 => self.run(Wide::<S, 4>(simd)),
+            _ => self.run(PLAIN),
+        }
     }
 }

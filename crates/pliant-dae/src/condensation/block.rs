@@ -1,9 +1,10 @@
 //! Kernels on 6 x 6 blocks whose rows are padded to eight numbers, the width of the widest vector registers.
 //!
 //! All functions are inlined into one dispatched entry, so that they are compiled for the processor found at run
-//! time. `FMA` is false only where no fused multiply-add exists and emulating it would cost a library call.
+//! time. Vectors are pulp's types: loops over plain arrays of this size are not reliably kept in registers.
 
 use crate::structure::{Slot, entry_number};
+use pulp::{Scalar, Simd};
 
 /// Unknowns of one chain node.
 pub(super) const N: usize = 6;
@@ -23,44 +24,103 @@ pub(super) type Block = [Row; N];
 /// A block of zeros.
 pub(super) const ZERO: Block = [Row([0.0; 8]); N];
 
-#[inline(always)]
-fn multiply_add<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FMA { a.mul_add(b, c) } else { a * b + c }
+/// Arithmetic on rows held in registers.
+pub(super) trait Lanes: Copy {
+    /// A row.
+    type V: Copy;
+    fn splat(self, a: f64) -> Self::V;
+    fn load(self, row: &Row) -> Self::V;
+    fn store(self, v: Self::V) -> Row;
+    fn multiply(self, a: Self::V, b: Self::V) -> Self::V;
+    /// `a - b`.
+    fn subtract(self, a: Self::V, b: Self::V) -> Self::V;
+    /// `a b + c`, fused only where the processor can.
+    fn multiply_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
+}
+
+/// Rows as `M` vectors of S.
+#[derive(Clone, Copy)]
+pub(super) struct Wide<S, const M: usize>(pub(super) S);
+
+/// Without vectors.
+pub(super) const PLAIN: Wide<Scalar, 8> = Wide(Scalar);
+
+impl<S: Simd, const M: usize> Lanes for Wide<S, M> {
+    type V = [S::f64s; M];
+
+    #[inline(always)]
+    fn splat(self, a: f64) -> Self::V {
+        [self.0.splat_f64s(a); M]
+    }
+
+    #[inline(always)]
+    fn load(self, row: &Row) -> Self::V {
+        let (vectors, _) = S::as_simd_f64s(&row.0);
+        let mut v = self.splat(0.0);
+        v.copy_from_slice(&vectors[..M]);
+        v
+    }
+
+    #[inline(always)]
+    fn store(self, v: Self::V) -> Row {
+        let mut row = Row::default();
+        let (vectors, _) = S::as_mut_simd_f64s(&mut row.0);
+        vectors[..M].copy_from_slice(&v);
+        row
+    }
+
+    #[inline(always)]
+    fn multiply(self, a: Self::V, b: Self::V) -> Self::V {
+        let mut c = a;
+        for m in 0..M {
+            c[m] = self.0.mul_f64s(a[m], b[m]);
+        }
+        c
+    }
+
+    #[inline(always)]
+    fn subtract(self, a: Self::V, b: Self::V) -> Self::V {
+        let mut c = a;
+        for m in 0..M {
+            c[m] = self.0.sub_f64s(a[m], b[m]);
+        }
+        c
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        let mut d = c;
+        for m in 0..M {
+            d[m] = self.0.mul_add_e_f64s(a[m], b[m], c[m]);
+        }
+        d
+    }
 }
 
 impl Row {
     /// The six numbers of a node.
     #[inline(always)]
     pub(super) fn load(x: &[f64]) -> Self {
-        let mut row = [0.0; 8];
-        row[..N].copy_from_slice(&x[..N]);
-        Self(row)
+        let x = &x[..N];
+        row_of(|i| x[i])
     }
 
     /// `self += a row`.
     #[inline(always)]
-    pub(super) fn add<const FMA: bool>(&mut self, a: f64, row: &Self) {
-        for j in 0..8 {
-            self.0[j] = multiply_add::<FMA>(a, row.0[j], self.0[j]);
-        }
+    pub(super) fn add<L: Lanes>(&mut self, l: L, a: f64, row: &Self) {
+        *self = l.store(l.multiply_add(l.splat(a), l.load(row), l.load(self)));
     }
 
     /// `self += a * b`, number by number.
     #[inline(always)]
-    pub(super) fn add_products<const FMA: bool>(&mut self, a: &Self, b: &Self) {
-        for j in 0..8 {
-            self.0[j] = multiply_add::<FMA>(a.0[j], b.0[j], self.0[j]);
-        }
+    pub(super) fn add_products<L: Lanes>(&mut self, l: L, a: &Self, b: &Self) {
+        *self = l.store(l.multiply_add(l.load(a), l.load(b), l.load(self)));
     }
 
     /// `self - other`.
     #[inline(always)]
-    pub(super) fn minus(&self, other: &Self) -> Self {
-        let mut row = *self;
-        for j in 0..8 {
-            row.0[j] -= other.0[j];
-        }
-        row
+    pub(super) fn minus<L: Lanes>(&self, l: L, other: &Self) -> Self {
+        l.store(l.subtract(l.load(self), l.load(other)))
     }
 
     /// Sum of all numbers.
@@ -71,53 +131,52 @@ impl Row {
     }
 }
 
+/// `sum_i x_i rows_i`, in registers.
+#[inline(always)]
+fn combined<L: Lanes>(l: L, rows: &Block, x: impl Fn(usize) -> f64) -> L::V {
+    // Two sums at a time halve the latency of the recurrences.
+    let mut even = l.multiply(l.splat(x(0)), l.load(&rows[0]));
+    let mut odd = l.multiply(l.splat(x(1)), l.load(&rows[1]));
+    even = l.multiply_add(l.splat(x(2)), l.load(&rows[2]), even);
+    odd = l.multiply_add(l.splat(x(3)), l.load(&rows[3]), odd);
+    even = l.multiply_add(l.splat(x(4)), l.load(&rows[4]), even);
+    odd = l.multiply_add(l.splat(x(5)), l.load(&rows[5]), odd);
+    l.multiply_add(l.splat(1.0), even, odd)
+}
+
 /// `sum_i x_i rows_i`: the product of the transposed block with x.
 #[inline(always)]
-pub(super) fn combine<const FMA: bool>(rows: &Block, x: &Row) -> Row {
-    // Two sums at a time halve the latency of the recurrences.
-    let mut even = Row::default();
-    let mut odd = Row::default();
-    for i in 0..N / 2 {
-        even.add::<FMA>(x.0[2 * i], &rows[2 * i]);
-        odd.add::<FMA>(x.0[2 * i + 1], &rows[2 * i + 1]);
-    }
-    for j in 0..8 {
-        even.0[j] += odd.0[j];
-    }
-    even
+pub(super) fn combine<L: Lanes>(l: L, rows: &Block, x: &Row) -> Row {
+    l.store(combined(l, rows, |i| x.0[i]))
 }
 
 /// `a b`.
 #[inline(always)]
-pub(super) fn product<const FMA: bool>(a: &Block, b: &Block) -> Block {
+pub(super) fn product<L: Lanes>(l: L, a: &Block, b: &Block) -> Block {
     let mut c = ZERO;
     for i in 0..N {
-        for j in 0..N {
-            c[i].add::<FMA>(a[i].0[j], &b[j]);
-        }
+        c[i] = l.store(combined(l, b, |j| a[i].0[j]));
     }
     c
 }
 
 /// `a^T b`.
 #[inline(always)]
-pub(super) fn transposed_product<const FMA: bool>(a: &Block, b: &Block) -> Block {
+pub(super) fn transposed_product<L: Lanes>(l: L, a: &Block, b: &Block) -> Block {
     let mut c = ZERO;
     for i in 0..N {
-        for j in 0..N {
-            c[i].add::<FMA>(a[j].0[i], &b[j]);
-        }
+        c[i] = l.store(combined(l, b, |j| a[j].0[i]));
     }
     c
 }
 
 /// `c - a^T b`.
 #[inline(always)]
-pub(super) fn minus_transposed_product<const FMA: bool>(c: &Block, a: &Block, b: &Block) -> Block {
-    let ab = transposed_product::<FMA>(a, b);
+pub(super) fn minus_transposed_product<L: Lanes>(l: L, c: &Block, a: &Block, b: &Block) -> Block {
     let mut difference = ZERO;
     for i in 0..N {
-        difference[i] = c[i].minus(&ab[i]);
+        let ab = combined(l, b, |j| a[j].0[i]);
+        difference[i] = l.store(l.subtract(l.load(&c[i]), ab));
     }
     difference
 }
@@ -138,33 +197,53 @@ fn row_of(entry: impl Fn(usize) -> f64) -> Row {
     Row([entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), 0.0, 0.0])
 }
 
+/// One in lane k, zero elsewhere, and the opposite.
+const fn unit(k: usize, one: f64, zero: f64) -> Row {
+    let mut row = [zero; 8];
+    row[k] = one;
+    Row(row)
+}
+
+/// Sweeps row K: afterwards its column holds that of the inverse so far. Returns whether the pivot was safe.
+#[inline(always)]
+fn sweep<L: Lanes, const K: usize>(l: L, a: &mut [L::V; N], block: &Block) -> bool {
+    let pivot_row = l.store(a[K]);
+    let pivot = pivot_row.0[K];
+    let safe = pivot.abs() > SAFE_PIVOT * block[K].0[K].abs();
+    let others = l.load(&const { unit(K, 0.0, 1.0) });
+    let itself = l.load(&const { unit(K, 1.0, 0.0) });
+    let row = l.multiply(l.splat(1.0 / pivot), l.multiply_add(a[K], others, itself));
+    for i in 0..N {
+        if i != K {
+            let factor = l.store(a[i]).0[K];
+            a[i] = l.multiply_add(l.splat(-factor), row, l.multiply(a[i], others));
+        }
+    }
+    a[K] = row;
+    safe
+}
+
 /// The inverse by sweeps without pivoting, and whether all pivots were safe.
 ///
 /// Sweeps are as stable as a Cholesky factorisation where the block is definite, however stiff it is; cofactors are
 /// not.
 #[inline(always)]
-pub(super) fn invert<const FMA: bool>(block: &Block) -> (Block, bool) {
-    let mut a = *block;
-    let mut safe = true;
-    for k in 0..N {
-        let pivot = a[k].0[k];
-        safe &= pivot.abs() > SAFE_PIVOT * block[k].0[k].abs();
-        let inverse = 1.0 / pivot;
-        let mut row = a[k];
-        row.0[k] = 1.0;
-        for j in 0..8 {
-            row.0[j] *= inverse;
-        }
-        for i in 0..N {
-            if i != k {
-                let factor = a[i].0[k];
-                a[i].0[k] = 0.0;
-                a[i].add::<FMA>(-factor, &row);
-            }
-        }
-        a[k] = row;
+pub(super) fn invert<L: Lanes>(l: L, block: &Block) -> (Block, bool) {
+    let mut a = [l.splat(0.0); N];
+    for i in 0..N {
+        a[i] = l.load(&block[i]);
     }
-    (a, safe)
+    let mut safe = sweep::<L, 0>(l, &mut a, block);
+    safe &= sweep::<L, 1>(l, &mut a, block);
+    safe &= sweep::<L, 2>(l, &mut a, block);
+    safe &= sweep::<L, 3>(l, &mut a, block);
+    safe &= sweep::<L, 4>(l, &mut a, block);
+    safe &= sweep::<L, 5>(l, &mut a, block);
+    let mut inverse = ZERO;
+    for i in 0..N {
+        inverse[i] = l.store(a[i]);
+    }
+    (inverse, safe)
 }
 
 /// The inverse by elimination with row pivoting; on failure the column without a pivot.
@@ -202,8 +281,8 @@ pub(super) fn invert_pivoted(block: &Block) -> Result<Block, usize> {
         for i in 0..N {
             if i != k {
                 let factor = a[i].0[k];
-                a[i].add::<false>(-factor, &row);
-                inverse[i].add::<false>(-factor, &inverse_row);
+                a[i].add(PLAIN, -factor, &row);
+                inverse[i].add(PLAIN, -factor, &inverse_row);
             }
         }
     }

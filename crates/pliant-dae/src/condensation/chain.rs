@@ -6,7 +6,7 @@
 //! Two ends make two independent recurrences: they hide each other's latency, or run in two threads.
 
 use super::arm::{Arm, Carry, Own, Sweep, Way, own};
-use super::block::{Block, N, Row, ZERO, combine, transpose};
+use super::block::{Block, Lanes, N, PLAIN, Row, Wide, ZERO, combine, transpose};
 use super::graph::Path;
 use crate::structure::Structure;
 use pulp::{Arch, Simd, WithSimd};
@@ -152,8 +152,8 @@ impl Chain {
             let width = arm.width();
             for a in 0..width {
                 let (row, column) = (arm.reach_row(a), arm.reach(a));
-                self.sides[0].back[at + a] = combine::<false>(&self.sides[1].inverse, column);
-                self.sides[0].forward[at + a] = combine::<false>(&self.sides[0].inverse, row);
+                self.sides[0].back[at + a] = combine(PLAIN, &self.sides[1].inverse, column);
+                self.sides[0].forward[at + a] = combine(PLAIN, &self.sides[0].inverse, row);
                 for b in 0..width {
                     self.condensed[(at + a) * m + at + b] = arm.schur[a * width + b];
                 }
@@ -165,7 +165,7 @@ impl Chain {
             for local in 0..arm.width() {
                 for b in 0..m {
                     let mut lane = Row::default();
-                    lane.add_products::<false>(arm.reach_row(local), &self.sides[0].back[b]);
+                    lane.add_products(PLAIN, arm.reach_row(local), &self.sides[0].back[b]);
                     self.condensed[a * m + b] -= lane.sum();
                 }
                 a += 1;
@@ -201,13 +201,13 @@ impl Chain {
             arch.dispatch(Sweep { arm: left, other: Some(right), way, side })
         };
         let middle = &self.sides[side];
-        let y = Row::load(&b[self.middle..]).minus(&carries[0]).minus(&carries[1]);
-        self.z = combine::<false>(&self.sides[1 - side].inverse, &y);
+        let y = Row::load(&b[self.middle..]).minus(PLAIN, &carries[0]).minus(PLAIN, &carries[1]);
+        self.z = combine(PLAIN, &self.sides[1 - side].inverse, &y);
         let mut c = 0;
         for arm in &self.arms {
             for a in 0..arm.width() {
                 let mut lanes = arm.shares[a];
-                lanes.add_products::<false>(&middle.forward[c], &y);
+                lanes.add_products(PLAIN, &middle.forward[c], &y);
                 self.share[c] = arm.cap.forward(b, N + a, transposed) + lanes.sum();
                 c += 1;
             }
@@ -220,7 +220,7 @@ impl Chain {
         let side = self.side(transposed);
         let middle = &self.sides[side];
         for (c, x) in self.known.iter().enumerate() {
-            self.z.add::<false>(-x, &middle.back[c]);
+            self.z.add(PLAIN, -x, &middle.back[c]);
         }
         let z = self.z;
         let (known_left, known_right) = self.known.split_at(self.arms[0].width());
@@ -268,26 +268,31 @@ impl WithSimd for Eliminate<'_> {
     type Output = [Carry; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [Carry; 2] {
-        match (S::IS_SCALAR, self.symmetric) {
-            (false, true) => self.run::<true, true>(),
-            (false, false) => self.run::<true, false>(),
-            (true, true) => self.run::<false, true>(),
-            (true, false) => self.run::<false, false>(),
+    fn with_simd<S: Simd>(self, simd: S) -> [Carry; 2] {
+        match S::F64_LANES {
+            8 => self.start(Wide::<S, 1>(simd)),
+            4 => self.start(Wide::<S, 2>(simd)),
+            2 => self.start(Wide::<S, 4>(simd)),
+            _ => self.start(PLAIN),
         }
     }
 }
 
 impl Eliminate<'_> {
     #[inline(always)]
-    fn run<const FMA: bool, const SYMMETRIC: bool>(self) -> [Carry; 2] {
+    fn start<L: Lanes>(self, l: L) -> [Carry; 2] {
+        if self.symmetric { self.run::<L, true>(l) } else { self.run::<L, false>(l) }
+    }
+
+    #[inline(always)]
+    fn run<L: Lanes, const SYMMETRIC: bool>(self, l: L) -> [Carry; 2] {
         let Self { arm, mut other, values, .. } = self;
         let mut carry = arm.first();
         let mut other_carry = other.as_mut().map_or(carry, |other| other.first());
         for k in 0..arm.len() {
-            arm.eliminate::<FMA, SYMMETRIC>(&mut carry, k, values);
+            arm.eliminate::<L, SYMMETRIC>(l, &mut carry, k, values);
             if let Some(other) = other.as_mut().filter(|other| k < other.len()) {
-                other.eliminate::<FMA, SYMMETRIC>(&mut other_carry, k, values);
+                other.eliminate::<L, SYMMETRIC>(l, &mut other_carry, k, values);
             }
         }
         [carry, other_carry]
