@@ -265,6 +265,7 @@ fn check_options<P: Problem>(problem: &P, options: &Options) -> Result<Coefficie
     for (what, value) in [
         ("newton.tolerance", newton.tolerance),
         ("newton.constraint_tolerance", newton.constraint_tolerance),
+        ("newton.reduction", newton.reduction),
     ] {
         if !(value > 0.0 && value < 1.0) {
             return Err(Error::Value { what, expected: "between 0 and 1", got: value });

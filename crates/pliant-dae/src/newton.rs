@@ -7,13 +7,16 @@ pub struct NewtonOptions {
     pub tolerance: f64,
     /// Bound of the constraints' residuals, in units of their scale.
     pub constraint_tolerance: f64,
+    /// Part of a step's first increment and constraint residual that may be left over, where that is less than the
+    /// tolerances. Multipliers amplify it; 1e-4 will do without constraints.
+    pub reduction: f64,
     /// Iterations after which a step has failed.
     pub max_iterations: usize,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-10, constraint_tolerance: 1e-10, max_iterations: 40 }
+        Self { tolerance: 1e-10, constraint_tolerance: 1e-10, reduction: 1e-6, max_iterations: 40 }
     }
 }
 
@@ -35,8 +38,6 @@ pub(crate) enum Verdict {
 /// Contraction above which the matrix is renewed inside a step. Larger values make long chains take tens of
 /// iterations now and then.
 const SLOW: f64 = 0.5;
-/// Part of the first increment that may be left over.
-const REDUCTION: f64 = 1e-6;
 /// Successive increments without contraction after which a step has failed.
 const MAX_GROWTHS: usize = 4;
 /// Increments (in units of the scale) beyond any sense.
@@ -79,7 +80,8 @@ impl Monitor {
         if previous.is_none() {
             self.first_phi = phi;
         }
-        let phi_target = options.constraint_tolerance.min(REDUCTION * self.first_phi).max(floor);
+        let phi_target =
+            options.constraint_tolerance.min(options.reduction * self.first_phi).max(floor);
         let settled = phi <= phi_target;
         let target = self.target(floor, options);
         if settled && (size <= floor || previous.is_some() && size <= 0.01 * target) {
@@ -110,7 +112,7 @@ impl Monitor {
     /// `beta h^2`: with a fixed bound they would outgrow those of the scheme as the step is refined.
     fn target(&self, floor: f64, options: &NewtonOptions) -> f64 {
         let first = self.increments.first().copied().unwrap_or(f64::INFINITY);
-        options.tolerance.min(REDUCTION * first).max(floor)
+        options.tolerance.min(options.reduction * first).max(floor)
     }
 
     /// What to do when a stall was not rounding noise.

@@ -21,7 +21,7 @@ pub struct StaticOptions {
     /// Number of load increments, each of them cut and grown again as needed; 1 tries the full load at once.
     pub load_steps: usize,
     /// Increments below this, in units of the scale, end the iteration. Rounding may stop it before: increments
-    /// that no longer shrink are accepted below `1e6` times this.
+    /// that no longer shrink are accepted below `1e5` times this.
     pub tolerance: f64,
     /// Largest increment of any coordinate in one iteration, in units of its scale.
     pub max_increment: f64,
@@ -62,7 +62,7 @@ const SMALLEST_CUT: f64 = 1.0 / 1024.0;
 /// Damping below which an iteration has failed.
 const SMALLEST_DAMPING: f64 = 1e-4;
 /// Increments that stagnate below this many tolerances are rounding noise.
-const NOISE: f64 = 1e6;
+const NOISE: f64 = 1e5;
 /// A null vector is a motion that changes forces by less than this part of what its size could.
 const SINGULAR: f64 = 1e-13;
 
@@ -210,7 +210,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             worst_unknown = worst(&dx[..n], &self.inverse_scale);
             let previous = increments.last().copied().unwrap_or(f64::INFINITY);
             increments.push(size);
-            let noise = size > 0.25 * previous && size <= NOISE * self.options.tolerance;
+            let noise = size > 0.5 * previous && size <= NOISE * self.options.tolerance;
             if size <= self.options.tolerance || noise {
                 self.add(q, lambda_, &dx, 1.0);
                 return Ok(Outcome::Equilibrium { last_increment: size });

@@ -212,6 +212,7 @@ const OPTIONS: &Options = &Options {
     newton: pliant_dae::newton::NewtonOptions {
         tolerance: 1e-10,
         constraint_tolerance: 1e-10,
+        reduction: 1e-6,
         max_iterations: 40,
     },
     retry: true,
