@@ -61,7 +61,9 @@ def page() -> str:
             ]
             groups["Modules"].append("\n".join(lines))
             continue
-        shown = "" if isinstance(item, type) and issubclass(item, BaseException) else signature(item)
+        # Handles and results are made by pliant: a class that one constructs says what its parameters are.
+        made_here = isinstance(item, type) and "Parameters\n" not in (inspect.getdoc(item) or "")
+        shown = "" if made_here else signature(item)
         lines = [f"### `pl.{name}{shown}`\n", summary(item)]
         if isinstance(item, type):
             rows = members(item)
