@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use crate::element::{Block, Momentum, Motion, Slot, Weights, Workspace};
 use crate::elements::cable::{CableLaw, FixedLaw, LawSource, NodeOffsets, place};
 
+use lanes::Sums;
 pub use scalar::Parameter;
 
 /// Lanes per group of elements.
@@ -42,6 +43,8 @@ pub struct CableBlock {
     /// Slots of each cable.
     cables: Vec<Range<usize>>,
     is_bridge: Vec<bool>,
+    /// Of each chunk: whether its nodes' coordinates lie one after the other, r then t.
+    contiguous: Vec<bool>,
     /// Which set of numbers each group of eight elements has.
     groups: Vec<u32>,
     core: Vec<Core>,
@@ -128,31 +131,28 @@ impl CableBlock {
         force: &mut [f64],
         parallel: bool,
     ) {
-        let mut carry = [0.0; 6];
         if parallel && self.tasks() > 1 {
             workspace.sums.resize(self.chunks() * CHUNK_SUMS, 0.0);
             workspace.sums.par_chunks_mut(CHUNKS_PER_TASK * CHUNK_SUMS).enumerate().for_each(
                 |(task, sums)| {
-                    lanes::residual(
-                        self,
-                        law,
-                        motion,
-                        gravity,
-                        task * CHUNKS_PER_TASK,
-                        sums.chunks_exact_mut(CHUNK_SUMS),
-                    );
+                    let first = task * CHUNKS_PER_TASK;
+                    let chunks = first..first + sums.len() / CHUNK_SUMS;
+                    lanes::residual(self, law, motion, gravity, chunks, Sums::Buffer(sums));
                 },
             );
+            let mut carry = [0.0; 6];
             for (chunk, sums) in workspace.sums.chunks_exact(CHUNK_SUMS).enumerate() {
                 carry = self.scatter(chunk * CHUNK, sums, carry, force);
             }
+            self.add_to_last(carry, force);
         } else {
-            let mut sums = [0.0; CHUNK_SUMS];
-            for chunk in 0..self.chunks() {
-                lanes::residual(self, law, motion, gravity, chunk, std::iter::once(&mut sums[..]));
-                carry = self.scatter(chunk * CHUNK, &sums, carry, force);
-            }
+            let chunks = 0..self.chunks();
+            lanes::residual(self, law, motion, gravity, chunks, Sums::Global(force));
         }
+    }
+
+    /// Adds the force that the last element leaves at the last node.
+    fn add_to_last(&self, carry: [f64; 6], force: &mut [f64]) {
         if let Some(last) = self.slots.last() {
             for c in 0..3 {
                 force[last.r as usize + c] += carry[c];
@@ -186,7 +186,6 @@ macro_rules! with_law {
     ($self:ident . $method:ident ( $($argument:expr),* )) => {
         match $self.law.code() {
             0 => $self.$method(FixedLaw::<0>, $($argument),*),
-            1 => $self.$method(FixedLaw::<1>, $($argument),*),
             4 => $self.$method(FixedLaw::<4>, $($argument),*),
             32 => $self.$method(FixedLaw::<32>, $($argument),*),
             _ => $self.$method($self.law, $($argument),*),

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{CableBlock, Core, Gram, LANES};
+use super::{CHUNK, CableBlock, Core, Gram, LANES};
 use crate::elements::cable::{Cable, CableElement, CableLaw, NodeOffsets, Reference, place};
 use crate::error::ElementError;
 use crate::integrals::cable::Numbers;
@@ -56,11 +56,23 @@ impl CableBlock {
             store.gram.clear();
         }
         let extent = slots.iter().map(|n| n.r.max(n.t) as usize + 3).max().unwrap_or(0);
+        let contiguous = (0..is_bridge.len())
+            .step_by(CHUNK)
+            .map(|first| {
+                let last = (first + CHUNK).min(is_bridge.len());
+                let start = slots[first].r as usize;
+                let follows = |(i, n): (usize, &NodeOffsets)| {
+                    n.r as usize == start + 6 * i && n.t as usize == start + 6 * i + 3
+                };
+                slots[first..=last].iter().enumerate().all(follows)
+            })
+            .collect();
         Ok(Self {
             law,
             slots,
             cables: ranges,
             is_bridge,
+            contiguous,
             groups: store.groups,
             core: store.core,
             gram: store.gram,

@@ -3,7 +3,9 @@
 use pliant_math::{Lanes, Vec3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::{CHUNK, CableBlock, Core, GROUP_VALUES, Gram, LANES};
+use std::ops::Range;
+
+use super::{CHUNK, CHUNK_SUMS, CableBlock, Core, GROUP_VALUES, Gram, LANES};
 use crate::element::{Motion, Weights};
 use crate::elements::cable::{Column, LawSource, Nodal, NodeOffsets, force, inertia};
 
@@ -12,6 +14,16 @@ const WIDTH: usize = CHUNK + LANES;
 
 /// Six rows over the nodes of a chunk: x, y, z of r, then of t.
 type Rows = [[f64; WIDTH]; 6];
+/// Twelve rows over the elements of a chunk: forces on the first node, then on the second.
+type ForceRows = [[f64; WIDTH]; 12];
+
+/// Nodes of a chunk.
+#[derive(Clone, Copy)]
+struct ChunkNodes<'a> {
+    slots: &'a [NodeOffsets],
+    /// Index of the first coordinate where all nodes lie one after the other, r then t.
+    contiguous_from: Option<usize>,
+}
 
 /// Numbers of the elements `offset..` of a group.
 #[derive(Clone, Copy)]
@@ -36,14 +48,54 @@ impl<S: Simd> Column<Lanes<S>> for LaneColumn<'_, S> {
     }
 }
 
+/// Copies the nodes' six coordinates to rows.
 #[inline(always)]
-fn gather(slots: &[NodeOffsets], from: &[f64], to: &mut Rows) {
-    for (i, node) in slots.iter().enumerate().take(CHUNK + 1) {
-        let r = &from[node.r as usize..node.r as usize + 3];
-        let t = &from[node.t as usize..node.t as usize + 3];
-        for c in 0..3 {
-            to[c][i] = r[c];
-            to[3 + c][i] = t[c];
+fn gather(nodes: ChunkNodes<'_>, from: &[f64], to: &mut Rows) {
+    let [x, y, z, tx, ty, tz] = to;
+    if let Some(first) = nodes.contiguous_from {
+        let (from, _) = from[first..first + 6 * nodes.slots.len()].as_chunks::<6>();
+        for (i, c) in from.iter().enumerate().take(WIDTH) {
+            x[i] = c[0];
+            y[i] = c[1];
+            z[i] = c[2];
+            tx[i] = c[3];
+            ty[i] = c[4];
+            tz[i] = c[5];
+        }
+    } else {
+        for (i, node) in nodes.slots.iter().enumerate().take(WIDTH) {
+            let r = &from[node.r as usize..node.r as usize + 3];
+            let t = &from[node.t as usize..node.t as usize + 3];
+            x[i] = r[0];
+            y[i] = r[1];
+            z[i] = r[2];
+            tx[i] = t[0];
+            ty[i] = t[1];
+            tz[i] = t[2];
+        }
+    }
+}
+
+/// Adds rows to the nodes' six coordinates; the reverse of [`gather`].
+#[inline(always)]
+fn scatter(nodes: ChunkNodes<'_>, count: usize, rows: &ForceRows, force: &mut [f64]) {
+    if let Some(first) = nodes.contiguous_from {
+        let (to, _) = force[first..first + 6 * count].as_chunks_mut::<6>();
+        for (i, to) in to.iter_mut().enumerate().take(WIDTH) {
+            for c in 0..6 {
+                to[c] += rows[c][i];
+            }
+        }
+    } else {
+        for (i, node) in nodes.slots[..count].iter().enumerate().take(WIDTH) {
+            let r = &mut force[node.r as usize..node.r as usize + 3];
+            for c in 0..3 {
+                r[c] += rows[c][i];
+            }
+            let t = &mut force[node.t as usize..node.t as usize + 3];
+            for c in 0..3 {
+                t[c] += rows[3 + c][i];
+            }
         }
     }
 }
@@ -63,64 +115,85 @@ impl CableBlock {
         LaneColumn { simd, core: &self.core[group], gram: self.gram.get(group), offset: e % LANES }
     }
 
-    /// Slots of the nodes of the chunk from element `first`, and its number of elements.
+    /// Nodes of the chunk from element `first`, and its number of elements.
     #[inline(always)]
-    fn chunk_slots(&self, first: usize) -> (&[NodeOffsets], usize) {
+    fn chunk_nodes(&self, first: usize) -> (ChunkNodes<'_>, usize) {
         let count = CHUNK.min(self.is_bridge.len() - first);
-        (&self.slots[first..=first + count], count)
+        let slots = &self.slots[first..=first + count];
+        let nodes = ChunkNodes {
+            slots,
+            contiguous_from: self.contiguous[first / CHUNK].then_some(slots[0].r as usize),
+        };
+        (nodes, count)
     }
 }
 
-/// `M (a - g) + f(q, v)` of consecutive chunks from number `first`, summed at their nodes into one item of `out` each.
-pub(super) fn residual<'s, L: LawSource>(
+/// Where the node sums of chunks go.
+pub(super) enum Sums<'a> {
+    /// Straight to the global vector, chunk after chunk.
+    Global(&'a mut [f64]),
+    /// To a buffer: per chunk its first nodes' sums, node by node, then the force carried to the next chunk.
+    Buffer(&'a mut [f64]),
+}
+
+/// `M (a - g) + f(q, v)` of the chunks `first..last`, summed at their nodes. Into the global vector all chunks must be
+/// summed at once.
+pub(super) fn residual<L: LawSource>(
     block: &CableBlock,
     law: L,
     motion: Motion<'_>,
     gravity: [f64; 3],
-    first: usize,
-    out: impl Iterator<Item = &'s mut [f64]>,
+    chunks: Range<usize>,
+    sums: Sums<'_>,
 ) {
-    Arch::new().dispatch(Residual { block, law, motion, gravity, first, out });
+    Arch::new().dispatch(Residual { block, law, motion, gravity, chunks, sums });
 }
 
-struct Residual<'a, L, O> {
+struct Residual<'a, L> {
     block: &'a CableBlock,
     law: L,
     motion: Motion<'a>,
     gravity: [f64; 3],
-    first: usize,
-    out: O,
+    chunks: Range<usize>,
+    sums: Sums<'a>,
 }
 
-impl<'s, L: LawSource, O: Iterator<Item = &'s mut [f64]>> WithSimd for Residual<'_, L, O> {
+impl<L: LawSource> WithSimd for Residual<'_, L> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let law = self.law.law();
         let mut x: Rows = [[0.0; WIDTH]; 6];
         let mut a = x;
         let mut v = x;
-        let mut f = [[0.0; WIDTH]; 12];
+        let mut f: ForceRows = [[0.0; WIDTH]; 12];
+        let mut carry = [0.0; 6];
         let gravity = Vec3::new(
             Lanes::splat(simd, self.gravity[0]),
             Lanes::splat(simd, self.gravity[1]),
             Lanes::splat(simd, self.gravity[2]),
         );
-        for (chunk, out) in self.out.enumerate() {
-            let first = (self.first + chunk) * CHUNK;
-            let (slots, count) = self.block.chunk_slots(first);
-            gather(slots, self.motion.q, &mut x);
-            gather(slots, self.motion.a, &mut a);
+        let first_chunk = self.chunks.start;
+        for chunk in self.chunks.clone() {
+            let first = chunk * CHUNK;
+            let (nodes, count) = self.block.chunk_nodes(first);
+            gather(nodes, self.motion.q, &mut x);
+            gather(nodes, self.motion.a, &mut a);
             if law.damped {
-                gather(slots, self.motion.v, &mut v);
+                gather(nodes, self.motion.v, &mut v);
             }
             let mut e = 0;
             while e < count {
                 let column = self.block.lane_column(simd, first + e);
-                let nodes = nodal(simd, &x, e);
-                let rates = if law.damped { Some(nodal(simd, &v, e)) } else { None };
-                let internal = force(law, column, &nodes, rates.as_ref());
+                let rates;
+                let rates = if law.damped {
+                    rates = nodal(simd, &v, e);
+                    Some(&rates)
+                } else {
+                    None
+                };
+                let internal = force(law, column, &nodal(simd, &x, e), rates);
                 let mut acceleration = nodal(simd, &a, e);
                 acceleration[0] = acceleration[0] - gravity;
                 acceleration[2] = acceleration[2] - gravity;
@@ -133,18 +206,45 @@ impl<'s, L: LawSource, O: Iterator<Item = &'s mut [f64]>> WithSimd for Residual<
                 }
                 e += S::F64_LANES;
             }
-            let out = &mut out[..6 * count + 6];
+            let [first_rows, second_rows] = halves(&mut f);
             for c in 0..6 {
-                out[c] = f[c][0];
-                out[6 * count + c] = f[6 + c][count - 1];
+                // Sum of a node: first node of its element, second node of the one before.
+                for i in 0..CHUNK - 1 {
+                    first_rows[c][i + 1] += second_rows[c][i];
+                }
             }
-            for (i, sum) in out[6..6 * count].chunks_exact_mut(6).enumerate() {
-                for c in 0..6 {
-                    sum[c] = f[c][i + 1] + f[6 + c][i];
+            match &mut self.sums {
+                Sums::Global(force) => {
+                    for c in 0..6 {
+                        f[c][0] += carry[c];
+                        carry[c] = f[6 + c][count - 1];
+                    }
+                    scatter(nodes, count, &f, force);
+                    if chunk + 1 == self.block.chunks() {
+                        self.block.add_to_last(carry, force);
+                    }
+                }
+                Sums::Buffer(buffer) => {
+                    let at = (chunk - first_chunk) * CHUNK_SUMS;
+                    let (out, _) = buffer[at..at + CHUNK_SUMS].as_chunks_mut::<6>();
+                    for (i, sum) in out[..count].iter_mut().enumerate() {
+                        for c in 0..6 {
+                            sum[c] = f[c][i];
+                        }
+                    }
+                    for c in 0..6 {
+                        out[count][c] = f[6 + c][count - 1];
+                    }
                 }
             }
         }
     }
+}
+
+#[inline(always)]
+fn halves(rows: &mut ForceRows) -> [&mut [[f64; WIDTH]]; 2] {
+    let (first, second) = rows.split_at_mut(6);
+    [first, second]
 }
 
 /// Weighted element matrices of consecutive groups, from chunk number `first` until `values` is full.
@@ -179,10 +279,10 @@ impl<L: LawSource> WithSimd for Tangent<'_, L> {
         const CHUNK_VALUES: usize = CHUNK / LANES * GROUP_VALUES;
         for (chunk, values) in self.values.chunks_mut(CHUNK_VALUES).enumerate() {
             let first = (self.first + chunk) * CHUNK;
-            let (slots, _) = self.block.chunk_slots(first);
-            gather(slots, self.motion.q, &mut x);
+            let (nodes, _) = self.block.chunk_nodes(first);
+            gather(nodes, self.motion.q, &mut x);
             if law.damped {
-                gather(slots, self.motion.v, &mut v);
+                gather(nodes, self.motion.v, &mut v);
             }
             for (group, values) in values.chunks_exact_mut(GROUP_VALUES).enumerate() {
                 let mut lane = 0;

@@ -36,6 +36,16 @@ impl<T: Real> Forces<T> {
     }
 }
 
+/// The line or its rate at a point, as (r', L r''). Not a closure: those are not sure to be inlined, and code that is
+/// not inlined into the dispatched function is compiled without its instruction set.
+#[inline(always)]
+fn point<T: Real>(line: Option<&Line<T>>, eta: f64) -> Option<(Vec3<T>, Vec3<T>)> {
+    match line {
+        Some(line) => Some((line.tangent(eta), line.second(eta))),
+        None => None,
+    }
+}
+
 /// Internal force `f(q, v)`.
 #[inline(always)]
 pub(crate) fn force<T: Real>(
@@ -83,22 +93,24 @@ pub(crate) fn force<T: Real>(
     if straight_simplified {
         let q = (line.h - line.d).scale(6.0);
         let p = line.e.scale(2.0);
-        let s = |j| column.get(place::SIMPLIFIED + j);
-        let f_p = p.times(s(0)).add_times(s(1), q);
-        let f_q = p.times(s(1)).add_times(s(2), q);
+        let s0 = column.get(place::SIMPLIFIED);
+        let s1 = column.get(place::SIMPLIFIED + 1);
+        let s2 = column.get(place::SIMPLIFIED + 2);
+        let f_p = p.times(s0).add_times(s1, q);
+        let f_q = p.times(s1).add_times(s2, q);
         on.e = on.e.add_scaled(2.0, f_p);
         on.h = on.h.add_scaled(6.0, f_q);
         on.d = on.d.add_scaled(-6.0, f_q);
     }
     if !straight_simplified || rate.is_some() {
         for (k, eta) in [(0, -ETA), (2, ETA)] {
-            let rates = rate.map(|r| (r.tangent(eta), r.second(eta)));
+            let rates = point(rate.as_ref(), eta);
             let (v, u) = (line.tangent(eta), line.second(eta));
             let (f_v, f_u) = bending_force(law, column, k, guard, v, u, rates);
             on.add_tangent(eta, f_v);
             on.add_second(eta, f_u);
         }
-        let rates = rate.map(|r| (r.middle(), r.e.scale(2.0)));
+        let rates = point(rate.as_ref(), 0.0);
         let (f_v, f_u) = bending_force(law, column, 1, guard, middle, line.e.scale(2.0), rates);
         on_middle = on_middle + f_v;
         on.e = on.e.add_scaled(2.0, f_u);
@@ -213,14 +225,16 @@ pub(super) fn gram_gradient<T: Real>(
     rate: Option<&Line<T>>,
 ) -> [T; 6] {
     let d = legendre(line);
-    let mut g = PAIRS.map(|(i, j)| d[i].dot(d[j]));
+    let mut g = [d[0].x; 6];
     for k in 0..6 {
-        g[k] = g[k] - column.gram(21 + k);
+        let (i, j) = PAIRS[k];
+        g[k] = d[i].dot_add(d[j], -column.gram(21 + k));
     }
     if let Some(rate) = rate {
         let dd = legendre(rate);
         let tau = column.get(place::TAU);
-        for (k, (i, j)) in PAIRS.into_iter().enumerate() {
+        for k in 0..6 {
+            let (i, j) = PAIRS[k];
             g[k] = tau.mul_add(d[i].dot_add(dd[j], d[j].dot(dd[i])), g[k]);
         }
     }
@@ -256,12 +270,19 @@ pub(crate) const fn symmetric(i: usize, j: usize) -> usize {
 /// `M a`, one scalar 4x4 matrix for the three components.
 #[inline(always)]
 pub(crate) fn inertia<T: Real>(column: impl Column<T>, a: &Nodal<T>) -> Nodal<T> {
-    let m = |i, j| column.get(place::MASS + symmetric(i, j));
-    let row = |i| {
-        a[0].times(m(i, 0))
-            .add_times(m(i, 1), a[1])
-            .add_times(m(i, 2), a[2])
-            .add_times(m(i, 3), a[3])
-    };
-    [row(0), row(1), row(2), row(3)]
+    [
+        inertia_row(column, a, 0),
+        inertia_row(column, a, 1),
+        inertia_row(column, a, 2),
+        inertia_row(column, a, 3),
+    ]
+}
+
+#[inline(always)]
+fn inertia_row<T: Real>(column: impl Column<T>, a: &Nodal<T>, i: usize) -> Vec3<T> {
+    let mut sum = a[0].times(column.get(place::MASS + symmetric(i, 0)));
+    for j in 1..4 {
+        sum = sum.add_times(column.get(place::MASS + symmetric(i, j)), a[j]);
+    }
+    sum
 }

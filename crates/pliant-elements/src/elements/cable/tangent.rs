@@ -7,7 +7,7 @@
 use pliant_math::quadrature::GAUSS_5;
 use pliant_math::{Real, Vec3};
 
-use super::force::{PAIRS, Rates, gram_gradient, legendre, normal, symmetric};
+use super::force::{Rates, gram_gradient, legendre, normal, symmetric};
 use super::{
     Bending, CableLaw, Column, ETA, Integration, Line, Nodal, Reference, axial_law, place, strain,
 };
@@ -73,20 +73,19 @@ impl<T: Real> Blocks<T> {
     fn add_tangent(&mut self, eta: f64, k: &Symmetric<T>) {
         let p = 1.5 * (1.0 - eta * eta);
         let h = 1.0 - p;
-        let add =
-            |to: &mut Symmetric<T>, c: f64| *to = map6(|i| k[i].mul_add(k[i].constant(c), to[i]));
-        add(&mut self.dd, p * p);
-        add(&mut self.hh, h * h);
-        add(&mut self.ee, eta * eta);
-        let add = |to: &mut Matrix<T>, c: f64| {
-            *to = map9(|i, j| {
+        for i in 0..6 {
+            self.dd[i] = k[i].mul_add(k[i].constant(p * p), self.dd[i]);
+            self.hh[i] = k[i].mul_add(k[i].constant(h * h), self.hh[i]);
+            self.ee[i] = k[i].mul_add(k[i].constant(eta * eta), self.ee[i]);
+        }
+        for i in 0..3 {
+            for j in 0..3 {
                 let k = k[symmetric(i, j)];
-                k.mul_add(k.constant(c), to[i][j])
-            });
-        };
-        add(&mut self.hd, h * p);
-        add(&mut self.ed, eta * p);
-        add(&mut self.eh, eta * h);
+                self.hd[i][j] = k.mul_add(k.constant(h * p), self.hd[i][j]);
+                self.ed[i][j] = k.mul_add(k.constant(eta * p), self.ed[i][j]);
+                self.eh[i][j] = k.mul_add(k.constant(eta * h), self.eh[i][j]);
+            }
+        }
     }
 }
 
@@ -154,30 +153,11 @@ pub(crate) fn tangent<T: Real>(
         blocks.add_tangent(0.0, &cc);
         blocks
     } else {
-        let at = |k: usize, eta: f64| {
-            let rates = rate.is_some();
-            bending_stiffness(
-                law,
-                column,
-                k,
-                guard,
-                line.tangent(eta),
-                line.second(eta),
-                rates,
-                scale,
-            )
-        };
-        let mid = bending_stiffness(
-            law,
-            column,
-            1,
-            guard,
-            middle,
-            line.e.scale(2.0),
-            rate.is_some(),
-            scale,
-        );
-        combine(at(0, -ETA), mid, at(2, ETA), &cc)
+        let at = StiffnessAt { law, column, guard, damped: rate.is_some(), scale };
+        let minus = at.point(0, line.tangent(-ETA), line.second(-ETA));
+        let mid = at.point(1, middle, line.e.scale(2.0));
+        let plus = at.point(2, line.tangent(ETA), line.second(ETA));
+        combine(minus, mid, plus, &cc)
     };
     if straight_simplified {
         // L r'' = 2 e + eta 6 (h - d).
@@ -238,67 +218,71 @@ fn axial_stiffness<T: Real>(
     outer_and_identity(wg * outer, v, wg * n)
 }
 
-/// Second derivatives of the bending energy at point `k`, with the damping matrix.
-#[inline(always)]
-fn bending_stiffness<T: Real>(
+/// What the bending points of an element have in common.
+#[derive(Clone, Copy)]
+struct StiffnessAt<T, C> {
     law: CableLaw,
-    column: impl Column<T>,
-    k: usize,
+    column: C,
     guard: T,
-    v: Vec3<T>,
-    u: Vec3<T>,
     damped: bool,
     scale: Scale<T>,
-) -> Point<T> {
-    let w = column.get(place::BENDING + k) * scale.stiffness;
-    let a = v.dot_add(v, guard);
-    let inverse = a.recip();
-    let o = guard.zero();
-    let mut point = Point { vv: [o; 6], vu: [[o; 3]; 3], uu: [o; 6] };
-    match (law.bending, law.reference) {
-        (Bending::Exact, reference) => {
-            let (b, c) = (u.dot(u), v.dot(u));
-            let wi = w * inverse;
-            let beta = wi * inverse;
-            let ci = c * inverse;
-            let ka = beta * (c + c).mul_add(ci, -b);
-            let kc = -(wi * ci);
-            // d^2/dA^2, d^2/dA dC, d^2/dC^2 of w/2 (B/A - C^2/A^2), with the factors of the chain rule.
-            let beta4 = beta.scale(4.0);
-            let aa = beta4 * inverse * c.scale(-3.0).mul_add(ci, b);
-            let ac = beta4 * ci;
-            let p = v.times(aa).add_times(ac, u).array();
-            let q = v.times(ac).add_times(-beta, u).array();
-            let s = v.times(ac).add_times(beta.scale(-2.0), u).array();
-            let t = v.times(-beta).array();
-            let (va, ua) = (v.array(), u.array());
-            point.vv = map6(|k| {
-                let (i, j) = (ROW[k], COLUMN[k]);
-                let m = va[i].mul_add(p[j], ua[i] * q[j]);
-                if IS_DIAGONAL[k] { m + ka } else { m }
-            });
-            point.vu = map9(|i, j| {
-                let m = va[i].mul_add(s[j], ua[i] * t[j]);
-                if i == j { m + kc } else { m }
-            });
-            point.uu = outer_and_identity(-beta, v, wi);
-            if reference == Reference::Planar {
-                let q = column.get(place::CURVATURE + k) * scale.stiffness;
-                add_reference_curvature(&mut point, normal(column), v, u, q, inverse);
+}
+
+impl<T: Real, C: Column<T>> StiffnessAt<T, C> {
+    /// Second derivatives of the bending energy at point `k`, with the damping matrix.
+    #[inline(always)]
+    fn point(self, k: usize, v: Vec3<T>, u: Vec3<T>) -> Point<T> {
+        let Self { law, column, guard, damped, scale } = self;
+        let w = column.get(place::BENDING + k) * scale.stiffness;
+        let a = v.dot_add(v, guard);
+        let inverse = a.recip();
+        let o = guard.zero();
+        let mut point = Point { vv: [o; 6], vu: [[o; 3]; 3], uu: [o; 6] };
+        match (law.bending, law.reference) {
+            (Bending::Exact, reference) => {
+                let (b, c) = (u.dot(u), v.dot(u));
+                let wi = w * inverse;
+                let beta = wi * inverse;
+                let ci = c * inverse;
+                let ka = beta * (c + c).mul_add(ci, -b);
+                let kc = -(wi * ci);
+                // d^2/dA^2, d^2/dA dC, d^2/dC^2 of w/2 (B/A - C^2/A^2), with the factors of the chain rule.
+                let beta4 = beta.scale(4.0);
+                let aa = beta4 * inverse * c.scale(-3.0).mul_add(ci, b);
+                let ac = beta4 * ci;
+                let p = v.times(aa).add_times(ac, u).array();
+                let q = v.times(ac).add_times(-beta, u).array();
+                let s = v.times(ac).add_times(beta.scale(-2.0), u).array();
+                let t = v.times(-beta).array();
+                let (va, ua) = (v.array(), u.array());
+                point.vv = map6(|k| {
+                    let (i, j) = (ROW[k], COLUMN[k]);
+                    let m = va[i].mul_add(p[j], ua[i] * q[j]);
+                    if IS_DIAGONAL[k] { m + ka } else { m }
+                });
+                point.vu = map9(|i, j| {
+                    let m = va[i].mul_add(s[j], ua[i] * t[j]);
+                    if i == j { m + kc } else { m }
+                });
+                point.uu = outer_and_identity(-beta, v, wi);
+                if reference == Reference::Planar {
+                    let q = column.get(place::CURVATURE + k) * scale.stiffness;
+                    add_reference_curvature(&mut point, normal(column), v, u, q, inverse);
+                }
             }
+            (Bending::Simplified, Reference::Planar) => {
+                let root = u.dot_add(u, column.get(place::CURVATURE_SMOOTHING + k)).sqrt();
+                let pull = w * column.get(place::CURVATURE + k) / root;
+                point.uu = outer_and_identity(pull / (root * root), u, w - pull);
+            }
+            (Bending::Simplified, Reference::Straight) => {}
         }
-        (Bending::Simplified, Reference::Planar) => {
-            let root = u.dot_add(u, column.get(place::CURVATURE_SMOOTHING + k)).sqrt();
-            let pull = w * column.get(place::CURVATURE + k) / root;
-            point.uu = outer_and_identity(pull / (root * root), u, w - pull);
+        if damped {
+            let w = column.get(place::BENDING_DAMPING + k) * scale.damping;
+            add_bending_damping(&mut point, v, u, w, a, inverse);
         }
-        (Bending::Simplified, Reference::Straight) => {}
+        point
     }
-    if damped {
-        let w = column.get(place::BENDING_DAMPING + k) * scale.damping;
-        add_bending_damping(&mut point, v, u, w, a, inverse);
-    }
-    point
 }
 
 /// Second derivatives of `-q n.(v x u)/A`, the signed curvature's part with a curved reference.
@@ -349,12 +333,15 @@ fn add_bending_damping<T: Real>(
     let o = w.zero();
     let spin = [[o, u.z, -u.y], [-u.z, o, u.x], [u.y, -u.x, o]];
     let b_v = map9(|i, j| spin[i][j] + o1[i][j] + o2[i][j]);
-    let column = |j: usize| Vec3::new(b_v[0][j], b_v[1][j], b_v[2][j]);
     let w2 = w * inverse * inverse;
-    let columns = [column(0), column(1), column(2)];
+    let mut columns = [v; 3];
+    for j in 0..3 {
+        columns[j] = Vec3::new(b_v[0][j], b_v[1][j], b_v[2][j]);
+    }
     point.vv = map6(|k| w2.mul_add(columns[ROW[k]].dot(columns[COLUMN[k]]), point.vv[k]));
     // Row i of B_v^T [v]x is (column i) x v.
-    let rows = columns.map(|c| c.cross(v).array());
+    let rows =
+        [columns[0].cross(v).array(), columns[1].cross(v).array(), columns[2].cross(v).array()];
     point.vu = map9(|i, j| w2.mul_add(rows[i][j], point.vu[i][j]));
     let uu = outer_and_identity(-w2, v, w2 * a);
     point.uu = map6(|k| point.uu[k] + uu[k]);
@@ -414,42 +401,72 @@ fn add_gram<T: Real>(
     scale: Scale<T>,
     blocks: &mut Blocks<T>,
 ) {
-    let s = gram_gradient(column, line, rate).map(|s| s * scale.stiffness);
+    let mut s = gram_gradient(column, line, rate);
+    for k in 0..6 {
+        s[k] = s[k] * scale.stiffness;
+    }
     let mut weight = scale.stiffness;
     if rate.is_some() {
         weight = column.get(place::TAU).mul_add(scale.damping, weight);
     }
     let d = legendre(line);
-    let pair =
-        |i: usize, j: usize| PAIRS.iter().position(|&p| p == (i.min(j), i.max(j))).unwrap_or(0);
-    let both = |i: usize, j: usize| if i == j { 2.0 } else { 1.0 };
-    // Block (i, j) of the Legendre vectors: sum_kl H_(ik)(jl) D_k D_l^T, doubled where a pair is a square.
-    let block = |i: usize, j: usize| {
-        let diagonal = s[pair(i, j)].scale(both(i, j));
-        let mut m = map9(|a, b| if a == b { diagonal } else { diagonal.zero() });
-        for k in 0..3 {
-            let mut sum = Vec3::zero(weight);
-            for l in 0..3 {
-                let h = column.gram(symmetric(pair(i, k), pair(j, l))) * weight;
-                sum = sum.add_times(h.scale(both(i, k) * both(j, l)), d[l]);
-            }
-            let (dk, sum) = (d[k].array(), sum.array());
-            m = map9(|a, b| dk[a].mul_add(sum[b], m[a][b]));
-        }
-        m
-    };
-    let (m00, m10, m11) = (block(0, 0), block(1, 0), block(1, 1));
-    let (m20, m12, m22) = (block(2, 0), block(1, 2), block(2, 2));
+    let (m00, m10) =
+        (gram_block(column, &s, &d, weight, 0, 0), gram_block(column, &s, &d, weight, 1, 0));
+    let (m11, m20) =
+        (gram_block(column, &s, &d, weight, 1, 1), gram_block(column, &s, &d, weight, 2, 0));
+    let (m12, m22) =
+        (gram_block(column, &s, &d, weight, 1, 2), gram_block(column, &s, &d, weight, 2, 2));
     // D0 = d, D1 = e, D2 = h - d.
-    let add6 = |to: &mut Symmetric<T>, f: &dyn Fn(usize, usize) -> T| {
-        *to = map6(|k| to[k] + f(ROW[k], COLUMN[k]));
-    };
-    add6(&mut blocks.dd, &|a, b| m00[a][b] - m20[a][b] - m20[b][a] + m22[a][b]);
-    add6(&mut blocks.hh, &|a, b| m22[a][b]);
-    add6(&mut blocks.ee, &|a, b| m11[a][b]);
+    for k in 0..6 {
+        let (a, b) = (ROW[k], COLUMN[k]);
+        blocks.dd[k] = blocks.dd[k] + m00[a][b] - m20[a][b] - m20[b][a] + m22[a][b];
+        blocks.hh[k] = blocks.hh[k] + m22[a][b];
+        blocks.ee[k] = blocks.ee[k] + m11[a][b];
+    }
     blocks.hd = map9(|a, b| blocks.hd[a][b] + m20[a][b] - m22[a][b]);
     blocks.ed = map9(|a, b| blocks.ed[a][b] + m10[a][b] - m12[a][b]);
     blocks.eh = map9(|a, b| blocks.eh[a][b] + m12[a][b]);
+}
+
+/// Number of the pair (i, j) among the Gram numbers.
+#[inline(always)]
+const fn pair(i: usize, j: usize) -> usize {
+    [[0, 1, 2], [1, 3, 4], [2, 4, 5]][i][j]
+}
+
+/// Factor of D_j in the derivative of g_ij by D_i.
+#[inline(always)]
+const fn both(i: usize, j: usize) -> f64 {
+    if i == j { 2.0 } else { 1.0 }
+}
+
+/// Block (i, j) of the Legendre vectors: `s_ij I + sum_kl H_(ik)(jl) D_k D_l^T`, doubled where a pair is a square.
+#[inline(always)]
+fn gram_block<T: Real>(
+    column: impl Column<T>,
+    s: &[T; 6],
+    d: &[Vec3<T>; 3],
+    weight: T,
+    i: usize,
+    j: usize,
+) -> Matrix<T> {
+    let diagonal = s[pair(i, j)].scale(both(i, j));
+    let o = diagonal.zero();
+    let mut m = [[diagonal, o, o], [o, diagonal, o], [o, o, diagonal]];
+    for k in 0..3 {
+        let mut sum = Vec3::zero(weight);
+        for l in 0..3 {
+            let h = column.gram(symmetric(pair(i, k), pair(j, l))) * weight;
+            sum = sum.add_times(h.scale(both(i, k) * both(j, l)), d[l]);
+        }
+        let (dk, sum) = (d[k].array(), sum.array());
+        for a in 0..3 {
+            for b in 0..3 {
+                m[a][b] = dk[a].mul_add(sum[b], m[a][b]);
+            }
+        }
+    }
+    m
 }
 
 /// From (d, h, e) to (r1, t1, r2, t2), with the mass matrix.
