@@ -1,5 +1,5 @@
 //! Frequencies of spring chains against closed forms, and the iteration against the dense path.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 

@@ -1,5 +1,5 @@
 //! The planar pendulum as an index-3 system: orders, energy, scaling, failures and continuation.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 

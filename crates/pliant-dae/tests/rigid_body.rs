@@ -1,5 +1,5 @@
 //! A free rigid body with a unit quaternion: seven coordinates, six velocities, and the same body held at a point.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 

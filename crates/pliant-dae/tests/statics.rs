@@ -1,5 +1,5 @@
 //! Equilibria and their sensitivities: trusses with known solutions, hanging chains, a bending chain, free bodies.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 

@@ -1,5 +1,5 @@
 //! Small problems with known solutions.
-#![allow(dead_code, missing_docs)]
+#![allow(dead_code, missing_docs, clippy::unwrap_used)]
 
 use pliant_dae::linear_solver::{self, LinearSolver};
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
