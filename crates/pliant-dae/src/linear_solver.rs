@@ -74,10 +74,10 @@ pub fn analyze(
     structure: &Structure,
     options: Options,
 ) -> Result<Box<dyn LinearSolver>, FactorError> {
-    if options.condense {
-        if let Some(condensed) = Condensed::new(structure, options)? {
-            return Ok(Box::new(condensed));
-        }
+    if options.condense
+        && let Some(condensed) = Condensed::new(structure, options)?
+    {
+        return Ok(Box::new(condensed));
     }
     if structure.unknowns() <= options.dense_limit {
         return Ok(Box::new(Dense::new(structure)));

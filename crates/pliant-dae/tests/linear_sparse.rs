@@ -1,4 +1,5 @@
 //! The sparse and dense back ends against known solutions.
+#![allow(clippy::unwrap_used)] // helpers of tests, too
 
 mod linear_support;
 
@@ -90,4 +91,22 @@ fn numbers_that_are_not_finite_are_named() {
             Err(FactorError::NotFinite { element: 3 })
         );
     }
+}
+
+#[test]
+fn redundant_but_consistent_constraints_are_solved_through() {
+    let mut b = Builder::new(9, SOFT);
+    let nodes = b.nodes(8);
+    b.chain(&nodes);
+    // The same constraint twice.
+    let mut matrix = vec![0.0; 64];
+    for c in [6, 7] {
+        matrix[c * 8 + 1] = 1.0;
+        matrix[8 + c] = 1.0;
+    }
+    let both = b.multipliers(2);
+    b.element(&[nodes[0], both], matrix);
+    let system = b.build();
+    let solver = check(&system, SPARSE, 1e-10);
+    assert!(solver.describe().contains("LDL"), "{}", solver.describe());
 }
