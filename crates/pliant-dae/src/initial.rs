@@ -107,7 +107,7 @@ fn project_velocities<P: Problem + ?Sized>(
     Ok((weighted_max(&dv, &weight), worst(&dv, &weight)))
 }
 
-/// The vector `w = P_n x + ...` of least kinetic energy with `phi_q w = phi_q x + shift`.
+/// The vector w of least kinetic energy with `phi_q w = phi_q x + shift`.
 pub(crate) fn normal_component<P: Problem + ?Sized>(
     problem: &mut P,
     solver: &mut dyn LinearSolver,
