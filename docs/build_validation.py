@@ -38,8 +38,9 @@ def page(notes: list[dict], commit: str) -> str:
         group = list(group)
         parts += [f"## {Path(test_file).stem.removeprefix('test_').replace('_', ' ').capitalize()}\n"]
         parts += [f"{group[0]['about']} (`{test_file}`)\n"]
-        parts += ["| quantity | reference | achieved | error | tolerance | unit | source |"]
-        parts += ["| --- | --- | --- | --- | --- | --- | --- |"]
+        sourced = any(note["source"] for note in group)
+        parts += ["| quantity | reference | achieved | error | tolerance | unit |" + sourced * " source |"]
+        parts += ["| --- " * (6 + sourced) + "|"]
         for note in group:
             cells = [
                 note["name"],
@@ -48,7 +49,7 @@ def page(notes: list[dict], commit: str) -> str:
                 f"{note['error']:.1e}" + ("" if note["passed"] else " **fails**"),
                 f"{note['tolerance']:.1e}",
                 note["unit"],
-                note["source"],
+                *[note["source"]] * sourced,
             ]
             parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"]
         parts += [""]
