@@ -36,6 +36,7 @@ pub(crate) struct Sparse {
     by_lu: bool,
     solution: Vec<f64>,
     residual: Vec<f64>,
+    right: Vec<f64>,
 }
 
 /// LU with the whole pattern it needs, and the index of each of its entries in the matrix kept.
@@ -81,6 +82,7 @@ impl Sparse {
             by_lu: !symmetric,
             solution: vec![0.0; n],
             residual: vec![0.0; n],
+            right: vec![0.0; n],
             pattern,
             moves,
         })
@@ -130,13 +132,13 @@ impl Sparse {
 
     /// Solves for a known solution and returns the worst primal unknown with its error.
     fn probe(&mut self) -> (usize, f64) {
-        let n = self.pattern.size();
         let known = |i: usize| if (i * 2_654_435_761) & 64 == 0 { 1.0 } else { -1.0 };
         let mut x = std::mem::take(&mut self.solution);
         for (i, x) in x.iter_mut().enumerate() {
             *x = known(i);
         }
-        let mut b = vec![0.0; n];
+        let mut b = std::mem::take(&mut self.right);
+        b.fill(0.0);
         self.subtract_product(&x, &mut b, false);
         for b in &mut b {
             *b = -*b;
@@ -150,6 +152,7 @@ impl Sparse {
                 worst = (i, if error.is_nan() { f64::INFINITY } else { error });
             }
         }
+        self.right = b;
         worst
     }
 
