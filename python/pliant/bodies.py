@@ -22,6 +22,9 @@ GAUSS_3 = 0.5 + 0.5 * np.polynomial.legendre.leggauss(3)[0]
 GAUSS_5 = 0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0]
 LOBATTO_3 = np.array([0.0, 0.5, 1.0])
 
+SLACK_STIFFNESS = 1e-4  # of a cable without compression, relative to tension, as in the core
+SLACK_WIDTH = 1e-6  # strain over which it goes slack
+
 CHOICES = {
     "kind": ("cable", "net"),
     "strain": ("green_lagrange", "biot"),
@@ -213,8 +216,13 @@ def hermite(xi: FloatArray, length: FloatArray) -> FloatArray:
     )
 
 
-def stretch_of_force(force: FloatArray, stiffness: FloatArray, strain: str) -> FloatArray:
-    """Stretch at which the axial force EA eps lambda (Green-Lagrange) or EA eps (Biot) has the given value.
+def stretch_of_force(
+    force: FloatArray, stiffness: FloatArray, strain: str, tension_only: bool = False
+) -> FloatArray:
+    """Stretch at which the axial force EA n(eps) deps/dlambda has the given value, by Newton's method.
+
+    eps is (lambda^2 - 1) / 2 (Green-Lagrange) or lambda - 1 (Biot); n(eps) is eps, or the smooth passage
+    to slack.
 
     Examples
     --------
@@ -222,10 +230,18 @@ def stretch_of_force(force: FloatArray, stiffness: FloatArray, strain: str) -> F
     array([1.01])
     """
     load = force / stiffness
-    stretch: FloatArray = 1.0 + load
-    if strain == "green_lagrange":
-        for _ in range(50):
-            stretch = stretch - (stretch**3 - stretch - 2 * load) / (3 * stretch**2 - 1)
+    stretch: FloatArray = 1.0 + load + (SLACK_WIDTH if tension_only else 0.0)
+    for _ in range(60):
+        if strain == "green_lagrange":
+            eps, rate, bend = (stretch**2 - 1) / 2, stretch, 1.0
+        else:
+            eps, rate, bend = stretch - 1, np.ones_like(stretch), 0.0
+        value, slope = eps, np.ones_like(eps)
+        if tension_only:
+            root = np.sqrt(eps**2 + SLACK_WIDTH**2)
+            value = (1 - SLACK_STIFFNESS) / 2 * (eps + root - SLACK_WIDTH) + SLACK_STIFFNESS * eps
+            slope = (1 - SLACK_STIFFNESS) / 2 * (1 + eps / root) + SLACK_STIFFNESS
+        stretch = stretch - (value * rate - load) / (slope * rate**2 + value * bend)
     return stretch
 
 
@@ -299,7 +315,10 @@ def make_line_body(
     elif pretension is not None:
         middle = axial if axial.ndim == 1 else axial[:, axial.shape[1] // 2]
         stretch = stretch_of_force(
-            np.repeat(pretension, line.strands), np.broadcast_to(middle, stretch.shape), strain
+            np.repeat(pretension, line.strands),
+            np.broadcast_to(middle, stretch.shape),
+            strain,
+            _check.flag(tension_only, "tension_only"),
         )
     uniform = bool(np.all(np.abs(stretch - stretch[0]) < 1e-14))
     if line.normal is not None and not uniform:

@@ -15,6 +15,7 @@ from pliant.bodies import GAUSS_5, LineBody, hermite
 from pliant.errors import ModelError, translated
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Point, PointMass, WorldPoint, require_handle
+from pliant.signals import scaled
 from pliant.typing import ArrayLike, FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -251,11 +252,11 @@ class Result:
                 elif isinstance(load, Force) and load.at.body == name:
                     first, shape = self._body(name).shape(load.at.element, load.at.xi)
                     weight += float(shape[0] if first == node else shape[2] if first + 1 == node else 0.0)
-            if weight != 0.0 and not isinstance(load, (LineLoad, Force)):
-                raise AssertionError
             if weight != 0.0:
-                values = np.array([load.value(float(t)) for t in self.time])
-                total -= weight * values * (factor[:, None] if load.value.constant else 1.0)
+                values = [
+                    scaled(load.value, float(t), float(f)) for t, f in zip(self.time, factor, strict=True)
+                ]
+                total -= weight * np.array(values)
         if self.is_static:
             for name, node in inner:
                 total += self._node_mass(name, node) * (self.model.gravity - gravity)

@@ -138,7 +138,7 @@ class Table(Signal):
     values : array_like, shape (k,) or (k, m)
         Values at these times. Before the first and after the last time the value stays.
     period : float, optional
-        Repeats with this period [s], at least the span of the times.
+        Repeats with this period [s], at least the span of the times; beyond it the first row follows.
     smooth : bool
         Cubic instead of linear.
 
@@ -172,6 +172,9 @@ class Table(Signal):
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values.reshape(len(times), -1))
         object.__setattr__(self, "smooth", _check.flag(self.smooth, "smooth"))
+        closes = self.period is not None and self.period <= float(times[-1] - times[0]) * (1 + 1e-12)
+        if self.smooth and closes and not np.array_equal(self.values[0], self.values[-1]):
+            _check.fail("values", values[-1], "the last row must be the first where the period is the span")
 
     @classmethod
     def sample(
@@ -206,17 +209,20 @@ class Table(Signal):
         """Value at time t [s], shape (size,)."""
         times, values, first = self.times, self.values, float(self.times[0])
         if self.period is not None:
+            if self.period > (times[-1] - first) * (1 + 1e-12):
+                times = np.append(times, first + self.period)
+                values = np.vstack([values, values[:1]])
             t = first + (t - first) % self.period
         t = min(max(t, first), float(times[-1]))
-        k = min(max(int(np.searchsorted(times, t, side="right")) - 1, 0), len(times) - 2)
-        h = float(times[k + 1] - times[k])
-        x = (t - float(times[k])) / h
-        linear: FloatArray = values[k] + x * (values[k + 1] - values[k])
-        if not self.smooth:
-            return linear
-        from scipy.interpolate import CubicSpline
+        if self.smooth:
+            from scipy.interpolate import CubicSpline
 
-        return np.asarray(CubicSpline(times, values, axis=0)(t), dtype=np.float64)
+            ends = "natural" if self.period is None else "periodic"
+            return np.asarray(CubicSpline(times, values, axis=0, bc_type=ends)(t), dtype=np.float64)
+        k = min(max(int(np.searchsorted(times, t, side="right")) - 1, 0), len(times) - 2)
+        x = (t - float(times[k])) / float(times[k + 1] - times[k])
+        linear: FloatArray = values[k] + x * (values[k + 1] - values[k])
+        return linear
 
     def document(self, register: Callable[[Function], int]) -> Json:
         """Write the signal for the core."""
@@ -232,7 +238,7 @@ class Table(Signal):
 
 @dataclass(frozen=True)
 class Ramp(Signal):
-    """Rises from 0 at t = 0 to 1 at ``duration`` without jumps of slope, and stays there.
+    """Rises from 0 at t = 0 to 1 at ``duration`` without jumps of slope or curvature, and stays there.
 
     Parameters
     ----------
@@ -259,7 +265,7 @@ class Ramp(Signal):
     def __call__(self, t: float) -> FloatArray:
         """Value at time t [s], shape (size,)."""
         x = min(max(t / self.duration, 0.0), 1.0)
-        return np.array([x * x * (3.0 - 2.0 * x)])
+        return np.array([x**3 * (10.0 + x * (6.0 * x - 15.0))])
 
     def document(self, register: Callable[[Function], int]) -> Json:
         """Write the signal for the core."""
@@ -333,7 +339,16 @@ class LostFunction(Signal):
 
 
 def _combine(operation: str, left: object, right: object) -> Signal:
-    return Combination(operation, (as_signal(left, "term"), as_signal(right, "term")))
+    combined = Combination(operation, (as_signal(left, "term"), as_signal(right, "term")))
+    return Constant(tuple(combined(0.0).tolist())) if combined.constant else combined
+
+
+def scaled(signal: Signal, t: float, factor: float) -> FloatArray:
+    """Value at time t with constants scaled by the load factor of statics, as the core evaluates it."""
+    if isinstance(signal, Combination) and signal.operation == "sum":
+        terms = [np.broadcast_to(scaled(term, t, factor), signal.size) for term in signal.terms]
+        return np.asarray(np.sum(terms, axis=0), dtype=np.float64)
+    return factor * signal(t) if signal.constant else signal(t)
 
 
 def as_signal(value: Any, name: str, size: int | None = None) -> Signal:
@@ -364,13 +379,4 @@ def as_signal(value: Any, name: str, size: int | None = None) -> Signal:
         signal = Constant(tuple(_check.array(value, name, (None,)).tolist()))
     if size is not None and signal.size != size:
         _check.fail(name, value, f"must have {size} components, not {signal.size}")
-    return signal
-
-
-def without_functions(signal: Signal) -> Signal:
-    """Copy of the signal with callables replaced by markers that refuse to run."""
-    if isinstance(signal, Function):
-        return LostFunction(signal.components)
-    if isinstance(signal, Combination):
-        return Combination(signal.operation, tuple(without_functions(term) for term in signal.terms))
     return signal

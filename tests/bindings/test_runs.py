@@ -57,9 +57,7 @@ def test_free_fall_is_exact(rubber: pl.LinearElastic) -> None:
         result.momentum[-1], mass * DOWN + [2.0 * SECTION.area * 1000.0, 2.0, 0], rtol=1e-10
     )
     np.testing.assert_allclose(result.energy.total, result.energy.total[0], atol=1e-9)
-    np.testing.assert_allclose(
-        result.center_of_mass(rope), result.positions(rope).take([3], 1).mean(1) - 0.0, atol=2
-    )
+    np.testing.assert_allclose(result.center_of_mass(rope)[0], (0.75, 0.25, 0), atol=1e-12)
     assert result.statistics.steps == 100
     assert result.statistics.peak_memory > 0
 
@@ -96,7 +94,7 @@ def test_statics_and_reactions_of_a_hanging_rope(rubber: pl.LinearElastic, parts
     )
     for k in range(1, parts):
         below = weight * (1 - k / parts) + rest
-        # What the knot exerts on the upper rope, without the mass and the force that hang at the upper one's end.
+        # What the knot exerts on the upper rope; what hangs at its end is not in it.
         knot = result.reaction(model[f"knot{k}"]).force
         np.testing.assert_allclose(knot[-1], (0, 0, -below), atol=1e-8)
         np.testing.assert_allclose(knot, np.outer(result.load_factor, knot[-1]), atol=1e-8)
@@ -184,9 +182,9 @@ def test_a_released_knot_lets_the_rope_fall(rubber: pl.LinearElastic) -> None:
     held, ropes = hanging(rubber, 2)
     free = pl.Model.from_document(held.to_document())
     del free._joints["knot1"]
-    result = pl.simulate(free, duration=0.1, step=1e-3, start=pl.simulate(held, duration=0.05, step=1e-3))
+    result = pl.simulate(free, duration=0.1, step=1e-3, start=pl.solve_static(held))
     fallen = result.center_of_mass(ropes[1])
-    assert fallen[-1, 2] - fallen[0, 2] == pytest.approx(-0.5 * 9.81 * 0.01, rel=0.1)
+    assert fallen[-1, 2] - fallen[0, 2] == pytest.approx(-0.5 * 9.81 * 0.01, rel=1e-6)
 
 
 def test_a_catch_projects_velocities_and_warns(rubber: pl.LinearElastic) -> None:
@@ -245,6 +243,12 @@ def test_a_load_that_breaks_names_itself_and_keeps_the_result(rubber: pl.LinearE
     assert 0.04 < caught.value.result.time[-1] < 0.0501
 
 
+def test_a_velocity_that_a_joint_contradicts_is_projected_with_a_warning(rubber: pl.LinearElastic) -> None:
+    model, _ = hanging(rubber, 1, velocity=(1, 0, 0))
+    with pytest.warns(UserWarning, match="projected, by up to 1"):
+        pl.simulate(model, duration=0.01, step=1e-3)
+
+
 def test_failures_tell_when_and_where(rubber: pl.LinearElastic) -> None:
     model, ropes = hanging(rubber)
     model.add_force(ropes[0].end, lambda t: (1e12 * (t > 0.02), 0, 0))
@@ -280,15 +284,15 @@ def test_threads_do_not_change_bits(steel: pl.LinearElastic) -> None:
     edges = [(4 * i + j, 4 * i + j + 1) for i in range(4) for j in range(3)]
     edges += [(4 * i + j, 4 * i + 4 + j) for i in range(3) for j in range(4)]
     net = model.add_cable_net(points, edges, elements=3, section=SECTION, material=steel, pretension=5.0)
-    model.pin(net.node(0))
-    model.pin(net.node(15))
+    for corner in (0, 3, 12, 15):
+        model.pin(net.node(corner))
     runs = [pl.simulate(model, duration=0.02, step=1e-3, threads=k) for k in (1, 2, 4)]
     for run in runs[1:]:
         assert np.array_equal(run.positions(net), runs[0].positions(net))
     assert runs[0].positions(net).shape == (21, 16 + 24 * 2, 3)
     np.testing.assert_allclose(runs[0].positions(net)[0, :16], points, atol=1e-15)
     assert runs[0].axial_force(net).shape == (21, 24)
-    np.testing.assert_allclose(runs[0].axial_force(net)[0], 5.0, rtol=1e-9)
+    np.testing.assert_allclose(runs[0].axial_force(net)[0], 5.0, rtol=1e-7)
 
 
 def test_results_survive_files(tmp_path: Path, rubber: pl.LinearElastic) -> None:
@@ -338,7 +342,7 @@ def test_damaged_result_files(tmp_path: Path, rubber: pl.LinearElastic) -> None:
 
 
 def test_pictures_and_page(tmp_path: Path, rubber: pl.LinearElastic) -> None:
-    model, ropes = hanging(rubber, 2, velocity=(1, 0.5, 0))
+    model, _ = hanging(rubber, 2, velocity=lambda x: x[:, 2:] * np.array([[1.0, 0.5, 0]]))
     model.add_point_mass(1.0, at=(1, 1, 1))
     result = pl.simulate(model, duration=0.05, step=1e-3)
     for color in (None, "strain", "axial_force", "speed"):
@@ -378,7 +382,7 @@ def test_no_progress_bar_when_piped(capfd: pytest.CaptureFixture[str], rubber: p
     pl.simulate(model, duration=0.01, step=1e-3)
     assert capfd.readouterr() == ("", "")
     pl.simulate(model, duration=0.01, step=1e-3, progress=True)
-    assert "10/10" in capfd.readouterr().err
+    assert "0/10" in capfd.readouterr().err
 
 
 def test_two_runs_at_once_do_not_disturb_each_other(rubber: pl.LinearElastic) -> None:
