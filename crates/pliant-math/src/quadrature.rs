@@ -14,7 +14,7 @@ pub const GAUSS_1: Rule<1> = Rule { xi: [0.5], weight: [1.0] };
 
 /// Gauss, 2 points, exact to degree 3.
 pub const GAUSS_2: Rule<2> =
-    Rule { xi: [0.211_324_865_405_187_12, 0.788_675_134_594_812_9], weight: [0.5, 0.5] };
+    Rule { xi: [0.211_324_865_405_187_1, 0.788_675_134_594_812_9], weight: [0.5, 0.5] };
 
 /// Gauss, 3 points, exact to degree 5.
 pub const GAUSS_3: Rule<3> = Rule {

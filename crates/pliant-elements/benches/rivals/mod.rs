@@ -28,8 +28,21 @@ fn apply_transposed(s: &[Vector; 3], x: [f64; 3]) -> Vector {
     std::array::from_fn(|k| (0..3).map(|c| s[c][k] * x[c]).sum())
 }
 
-fn gram(s: &[Vector; 3], t: &[Vector; 3]) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|c| s[c][i] * t[c][j]).sum()))
+/// `k += w s^T t`.
+fn add_gram(k: &mut Matrix, w: f64, s: &[Vector; 3], t: &[Vector; 3]) {
+    for c in 0..3 {
+        add_outer(k, w, &s[c], &t[c]);
+    }
+}
+
+/// `k += w a b^T`.
+fn add_outer(k: &mut Matrix, w: f64, a: &Vector, b: &Vector) {
+    for (row, a) in k.iter_mut().zip(a) {
+        let wa = w * a;
+        for (k, b) in row.iter_mut().zip(b) {
+            *k += wa * b;
+        }
+    }
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -81,18 +94,12 @@ impl Textbook {
 
     pub fn force_and_jacobian(&self, q: &Vector) -> (Vector, Matrix) {
         let mut k = [[0.0; 12]; 12];
-        let mut add = |w: f64, m: &Matrix| {
-            (0..12).for_each(|i| (0..12).for_each(|j| k[i][j] += w * m[i][j]));
-        };
-        let outer = |a: &Vector, b: &Vector| -> Matrix {
-            std::array::from_fn(|i| std::array::from_fn(|j| a[i] * b[j]))
-        };
         for (w, s) in &self.axial {
             let v = apply(s, q);
             let w = w * self.section.axial_stiffness;
             let g = apply_transposed(s, v);
-            add(w, &outer(&g, &g));
-            add(w * 0.5 * (dot(v, v) - 1.0), &gram(s, s));
+            add_outer(&mut k, w, &g, &g);
+            add_gram(&mut k, w * 0.5 * (dot(v, v) - 1.0), s, s);
         }
         for (w, sv, su) in &self.bending {
             let (v, u) = (apply(sv, q), apply(su, q));
@@ -108,16 +115,16 @@ impl Textbook {
                 (-b / (a * a) + 2.0 * c * c / (a * a * a), 1.0 / a, -2.0 * c / (a * a));
             let kaa = 2.0 * b / a.powi(3) - 6.0 * c * c / a.powi(4);
             let (kab, kac, kcc) = (-1.0 / (a * a), 4.0 * c / a.powi(3), -2.0 / (a * a));
-            add(2.0 * w * ka, &gram(sv, sv));
-            add(2.0 * w * kb, &gram(su, su));
-            add(w * kc, &gram(sv, su));
-            add(w * kc, &gram(su, sv));
-            add(w * kaa, &outer(&ga, &ga));
-            add(w * kab, &outer(&ga, &gb));
-            add(w * kab, &outer(&gb, &ga));
-            add(w * kac, &outer(&ga, &gc));
-            add(w * kac, &outer(&gc, &ga));
-            add(w * kcc, &outer(&gc, &gc));
+            add_gram(&mut k, 2.0 * w * ka, sv, sv);
+            add_gram(&mut k, 2.0 * w * kb, su, su);
+            add_gram(&mut k, w * kc, sv, su);
+            add_gram(&mut k, w * kc, su, sv);
+            add_outer(&mut k, w * kaa, &ga, &ga);
+            add_outer(&mut k, w * kab, &ga, &gb);
+            add_outer(&mut k, w * kab, &gb, &ga);
+            add_outer(&mut k, w * kac, &ga, &gc);
+            add_outer(&mut k, w * kac, &gc, &ga);
+            add_outer(&mut k, w * kcc, &gc, &gc);
         }
         (self.force(q), k)
     }

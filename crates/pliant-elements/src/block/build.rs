@@ -198,8 +198,7 @@ fn check(
             let chord = std::array::from_fn(|c| (x[2][c] - x[0][c]) / element.length);
             for along in [chord, x[1], x[3]] {
                 let distance = dot(n, along);
-                // Written so that NaN is refused as well.
-                if !(distance.abs() < 1e-9) {
+                if distance.is_nan() || distance.abs() >= 1e-9 {
                     return Err(ElementError::NotPlanar { cable: number, element: e, distance });
                 }
             }

@@ -1,5 +1,5 @@
 //! Example cables and states.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 use pliant_elements::{
     Cable, CableBlock, CableElement, CableLaw, NodeOffsets, Reference, Section, Sections, Slack,

@@ -40,10 +40,8 @@ impl<T: Real> Forces<T> {
 /// not inlined into the dispatched function is compiled without its instruction set.
 #[inline(always)]
 fn point<T: Real>(line: Option<&Line<T>>, eta: f64) -> Option<(Vec3<T>, Vec3<T>)> {
-    match line {
-        Some(line) => Some((line.tangent(eta), line.second(eta))),
-        None => None,
-    }
+    let line = line?;
+    Some((line.tangent(eta), line.second(eta)))
 }
 
 /// Internal force `f(q, v)`.
