@@ -115,7 +115,9 @@ pub fn modes(
     let mut phi = no_force.clone();
     let evaluated = system.residual(point, &mut force, &mut phi);
     evaluated.map_err(|source| Error::Evaluation { t: about.t, source })?;
-    let options = ModeOptions { count, ..ModeOptions::default() };
+    // Iteration with the inverse keeps the lowest modes of slender lines exact, where a dense solution loses them
+    // in the rounding of the highest; it needs room for its basis.
+    let options = ModeOptions { count, dense_limit: 4 * count + 24, ..ModeOptions::default() };
     let modes =
         solve_modes(&mut system, solver.as_mut(), about.t, point.q, point.lambda_, &options)?;
     let squares = modes.iter().map(|m| m.omega_squared).collect();
