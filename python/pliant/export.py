@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 __all__ = ["export_html"]
 
 FRAMES = 400  # at most
-NUMBERS = 3_000_000  # coordinates in the page, at most
+NUMBERS = 1_500_000  # in the page, about: three coordinates and three quantities a point
 
 
 def export_html(result: Result, path: str | os.PathLike[str], color: Any = None) -> None:
     """Write the page; see :meth:`pliant.Result.export_html`."""
     frames = frames_of(result, FRAMES)
-    points = int(np.clip(NUMBERS // (3 * len(frames)), 200, 4000))
+    points = int(np.clip(NUMBERS // (6 * len(frames)), 200, 4000))
     bodies = []
     for drawing in draw(result, frames, color, points):
         bodies.append(

@@ -307,6 +307,17 @@ class Model(Contents):
         -------
         Joint
             Handle for ``result.reaction``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+        >>> thin = pl.Circle(radius=5e-3)
+        >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
+        >>> wall = model.clamp(rope.start)
+        >>> model.constraints
+        5
         """
         at = self._line_point(point, "point")
         return self._add_joint(Clamp(self._new_name(name, "clamp"), at))
@@ -325,6 +336,17 @@ class Model(Contents):
         -------
         Joint
             Handle for ``result.reaction``: the force on the first body.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+        >>> thin = pl.Circle(radius=5e-3)
+        >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
+        >>> hook = model.pin(rope.start)
+        >>> model.constraints
+        3
         """
         if not isinstance(point, (Point, Handle)):
             _check.fail("point", point, "must be a point of a body, such as rope.start")
@@ -373,6 +395,18 @@ class Model(Contents):
             Force [N].
         follower : bool
             Turns with the tangent of the cable, in the plane of tangent and force at the start.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+        >>> thin = pl.Circle(radius=5e-3)
+        >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
+        >>> steady = model.add_force(rope.end, (0, 0, 1.0))
+        >>> rising = model.add_force(rope.end, (0, 1.0, 0) * pl.Ramp(0.5), name="rising")
+        >>> [load.name for load in model.loads]
+        ['force1', 'rising']
         """
         at = self._point(point, "point")
         value = as_signal(force, "force", 3)
@@ -392,6 +426,16 @@ class Model(Contents):
             Where.
         moment : array_like, shape (3,), callable, Table or product with a Ramp
             Moment [N m], with fixed axis.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+        >>> thin = pl.Circle(radius=5e-3)
+        >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
+        >>> model.add_moment(rope.end, (0, 0, 0.1)).name
+        'moment1'
         """
         at = self._line_point(point, "point")
         value = as_signal(moment, "moment", 3)
@@ -407,6 +451,16 @@ class Model(Contents):
             The body.
         force_per_length : array_like, shape (3,), callable, Table or product with a Ramp
             Force per length [N/m].
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+        >>> thin = pl.Circle(radius=5e-3)
+        >>> rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
+        >>> model.add_line_load(rope, lambda t: (0, 0.2 * t, 0)).name
+        'line_load1'
         """
         body = self._body(cable, "cable")
         if not isinstance(body, LineBody):

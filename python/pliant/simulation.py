@@ -252,6 +252,17 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
     -------
     Modes
         ``frequencies`` [Hz], ``shapes``, ``eigenvalues`` [1/s], ``stable``.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> model = pl.Model()
+    >>> steel = pl.LinearElastic(youngs_modulus=2e11, poisson_ratio=0.3, density=7850.0)
+    >>> thick = pl.Circle(radius=1e-2)
+    >>> arm = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=8, section=thick, material=steel)
+    >>> wall = model.clamp(arm.start)
+    >>> print(f"{pl.solve_modes(model, count=2).frequencies[0]:.2f} Hz")
+    14.12 Hz
     """
     model = _require_model(model)
     count = _check.count(count, "count")
