@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.bodies import LineBody
 from pliant.drawing import COLORS, draw, frames_of
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 SHOWN = 9  # times in one picture
+SHOWN_OF_NETS = 3  # where there are many strands
 
 
 def plot(result: Result, color: Any = None) -> Figure:
@@ -30,7 +32,8 @@ def plot(result: Result, color: Any = None) -> Figure:
     import matplotlib as mpl
     from mpl_toolkits.mplot3d.art3d import Line3DCollection  # type: ignore[import-untyped]
 
-    frames = frames_of(result, SHOWN)
+    strands = sum(len(b.strands) for b in result.model._bodies.values() if isinstance(b, LineBody))
+    frames = frames_of(result, SHOWN if strands <= 8 else SHOWN_OF_NETS)
     drawings = draw(result, frames, color)
     key = color if isinstance(color, str) else "color"
     spans = np.concatenate([d.points.reshape(-1, 3) for d in drawings])

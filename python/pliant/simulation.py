@@ -15,6 +15,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._lower import Lowered, lower
+from pliant.bodies import LineBody
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
 from pliant.points import Handle
@@ -140,6 +141,7 @@ def simulate(
                 report(now)
             report(integrator.advance(1, output_every=steps))
     except (KeyboardInterrupt, ConvergenceError, ModelError) as error:
+        _name_node(error, model)
         error.result = collect()  # type: ignore[union-attr]
         raise
     return collect()
@@ -196,16 +198,21 @@ def solve_static(
     q, _ = _start_vectors(lowered, system, state, model)
     inputs = _Inputs(lowered)
     reached = 0.0
-    with _progress_bar(progress, 100) as report, inputs.guarded(), translated():
+    with _progress_bar(progress, 100) as report, inputs.guarded():
 
         def poll(factor: float) -> None:
             nonlocal reached
             report(round(100 * factor) - round(100 * reached))
             reached = factor
 
-        records = system.solve_static(
-            load_steps=load_steps, tolerance=tolerance, q=q, inputs=inputs.callback, poll=poll
-        )
+        try:
+            with translated():
+                records = system.solve_static(
+                    load_steps=load_steps, tolerance=tolerance, q=q, inputs=inputs.callback, poll=poll
+                )
+        except ConvergenceError as error:
+            _name_node(error, model)
+            raise
     return Result(model, lowered, _records(records), static=True, statistics=Statistics(), system=system)
 
 
@@ -429,6 +436,14 @@ def _warn_of_projection(
             f"initial velocities contradict joints; they were projected, by up to {change:.3g} m/s",
             stacklevel=3,
         )
+
+
+def _name_node(error: BaseException, model: Model) -> None:
+    """Turn the strand node that the core blames into the node of the body."""
+    if isinstance(error, ConvergenceError) and error.node is not None:
+        body = model._bodies.get(error.body or "")
+        if isinstance(body, LineBody) and error.node < len(body.users):
+            error.node = int(body.users[error.node])
 
 
 def _records(raw: Any) -> Records:
