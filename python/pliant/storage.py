@@ -9,7 +9,8 @@ Layout (format "pliant-result", version 1)::
     /records/time         (n,) [s] or load factors
     /records/q, v, a      (n, coordinates); /records/lambda (n, constraints); /records/energy (n, 5): kinetic,
                           elastic, gravitational, dissipated, work [J]
-    /offsets/<body>       (nodes,) first of the three columns of q that hold each node's position
+    /offsets/<body>       (nodes,) first of the three columns of q that hold each node's position; the name
+                          of the body is percent-encoded
     /statistics           JSON text
 
 ``digest`` is the SHA-256 of all data sets in the order of their names: an altered file is refused.
@@ -23,6 +24,7 @@ import json
 import os
 from types import ModuleType
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 
@@ -62,7 +64,7 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
     for name in [*lowered.cables, *lowered.shared]:
         body = result.model._bodies[name]
         offsets = result._offsets(name)[:, 0]
-        arrays[f"offsets/{name.replace('/', '_')}"] = (
+        arrays[f"offsets/{quote(name, safe='').replace('.', '%2E')}"] = (
             offsets[body.first] if isinstance(body, LineBody) else offsets
         )
     with atomic(path) as temporary, h5py.File(temporary, "w") as file:

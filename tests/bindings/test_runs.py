@@ -438,3 +438,36 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert main(["demo", "unknown"]) == 2
     assert main(["info"]) == 0
     assert subprocess.run([sys.executable, "-m", "pliant", "info"], check=True, capture_output=True).stdout
+
+
+def test_clamps_and_pins_hold_where_another_run_left_the_rope(rubber: pl.LinearElastic) -> None:
+    model = pl.Model(gravity=DOWN)
+    rope = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=8, section=SECTION, material=rubber)
+    model.pin(rope.start, name="hook")
+    fallen = pl.simulate(model, duration=0.2, step=1e-3)
+    for grab in (pl.Model.clamp, pl.Model.pin):
+        held = model.copy()
+        joint = grab(held, rope.end)
+        with pytest.warns(UserWarning, match="projected"):
+            result = pl.simulate(held, duration=0.2, step=1e-3, start=fallen)
+        assert np.array_equal(result.positions(rope)[0], fallen.positions(rope)[-1])
+        np.testing.assert_allclose(
+            result.track(rope.end).position, np.tile(fallen.track(rope.end).position[-1], (201, 1)), atol=1e-9
+        )
+        assert np.abs(result.reaction(joint).force[-1]).max() > 0.01
+    again = pl.Model.from_document(held.to_document())
+    assert len(again.joints) == 2
+
+
+def test_names_with_odd_characters_survive_files(tmp_path: Path, rubber: pl.LinearElastic) -> None:
+    model = pl.Model()
+    for name in ("a/b", "a_b", ".", "c d%"):
+        model.add_point_mass(1.0, at=(0, 0, 0), name=name)
+    result = pl.simulate(model, duration=0.01, step=1e-3)
+    result.save(tmp_path / "run.h5")
+    assert [body.name for body in pl.Result.load(tmp_path / "run.h5").model.bodies] == [
+        "a/b",
+        "a_b",
+        ".",
+        "c d%",
+    ]
