@@ -88,9 +88,8 @@ def main():
     base, *records = records
     # Small models drown in the noise of the interpreter's own memory.
     large = [r for r in records if r["coordinates"] >= 10_000]
-    print(
-        f"\nexponent of time {slope([r['coordinates'] for r in records], [r['wall'] for r in records]):.3f}"
-    )
+    exponent = slope([r["coordinates"] for r in records], [r["cpu"] for r in records])
+    print(f"\nexponent of CPU time {exponent:.3f}")
     if len(large) > 1:
         extra = [max(r["memory"] - base["memory"], 1.0) for r in large]
         exponent = slope([r["coordinates"] for r in large], extra)
