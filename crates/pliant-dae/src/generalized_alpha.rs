@@ -12,7 +12,7 @@ use std::mem::swap;
 
 use crate::error::{Error, Failure};
 pub use crate::integrator::{Integrator, Options, StepReport};
-use crate::newton::{FactorAge, Verdict};
+use crate::newton::Verdict;
 use crate::problem::{Point, Problem};
 use crate::scaling::{first_not_finite, largest, magnitude, weighted_max, worst};
 pub use crate::state::{FactorPoint, State};
@@ -206,7 +206,7 @@ impl<P: Problem> Integrator<P> {
         kept.v.clone_from(&next.v);
         kept.a.clone_from(&next.a);
         kept.lambda_.clone_from(&next.lambda_);
-        kept.age = FactorAge::default();
+        kept.age = kept.age.renewed(!self.work.monitor.increments.is_empty());
         kept.h = h;
         let weight = &self.work.inverse_scale;
         let coordinates = if self.problem.is_flat() {

@@ -132,9 +132,12 @@ impl Monitor {
     }
 }
 
-/// Decides between steps whether to keep a factorisation: it is renewed when the last step took more iterations
-/// than the mean cost of a step since it was made, its own cost included.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Decides between steps whether to keep a factorisation.
+///
+/// It is renewed when the last step took more iterations than the mean cost of a step since it was made, its own cost
+/// included. Where contraction was lost so far that it had to be renewed inside a step, iterations were thrown away:
+/// from then on it is renewed before it gets as old, and allowed to grow older again bit by bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FactorAge {
     /// Steps accepted since the factorisation.
     pub steps: usize,
@@ -142,12 +145,33 @@ pub struct FactorAge {
     pub iterations: usize,
     /// Iterations of the last accepted step.
     pub last: usize,
+    /// Number of steps for which it may serve.
+    pub limit: f64,
+}
+
+/// Growth of the limit with each renewal between steps.
+const LIMIT_GROWTH: f64 = 1.1;
+
+impl Default for FactorAge {
+    fn default() -> Self {
+        Self { steps: 0, iterations: 0, last: 0, limit: f64::INFINITY }
+    }
 }
 
 impl FactorAge {
     /// Whether renewing pays; `cost` is that of a factorisation in iterations.
     #[must_use]
     pub fn is_worn(&self, cost: f64) -> bool {
-        self.steps > 0 && self.last as f64 * self.steps as f64 > cost + self.iterations as f64
+        let steps = self.steps as f64;
+        self.steps > 0
+            && (steps + 1.0 > self.limit
+                || self.last as f64 * steps > cost + self.iterations as f64)
+    }
+
+    /// The age of a factorisation that replaces this one, between steps or `inside` one.
+    pub(crate) fn renewed(&self, inside: bool) -> Self {
+        let limit =
+            if inside && self.steps > 0 { self.steps as f64 } else { self.limit * LIMIT_GROWTH };
+        Self { limit, ..Self::default() }
     }
 }

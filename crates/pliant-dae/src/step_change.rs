@@ -11,13 +11,14 @@
 use crate::error::Error;
 use crate::initial::{consistent_acceleration, normal_component};
 use crate::integrator::Integrator;
-use crate::problem::Problem;
+use crate::problem::{Problem, Weights};
 use crate::scaling::weighted_max;
 
 /// Velocities and algorithmic accelerations before they were prepared for a new step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Saved {
     v: Vec<f64>,
+    a: Vec<f64>,
     a_alg: Vec<f64>,
     h: f64,
 }
@@ -30,6 +31,7 @@ impl<P: Problem> Integrator<P> {
     pub(crate) fn prepare(&mut self, h: f64) -> Result<(), Error> {
         let saved = &mut self.work.saved;
         saved.v.clone_from(&self.state.v);
+        saved.a.clone_from(&self.state.a);
         saved.a_alg.clone_from(&self.state.a_alg);
         saved.h = self.state.h;
         let outcome = self.correct(h);
@@ -43,6 +45,7 @@ impl<P: Problem> Integrator<P> {
     pub(crate) fn undo_prepare(&mut self) {
         let saved = &self.work.saved;
         self.state.v.clone_from(&saved.v);
+        self.state.a.clone_from(&saved.a);
         self.state.a_alg.clone_from(&saved.a_alg);
         self.state.h = saved.h;
     }
@@ -55,6 +58,7 @@ impl<P: Problem> Integrator<P> {
         )?;
         if before == 0.0 {
             let jerk = self.initial_jerk(JERK_SPAN * h)?;
+            self.settle_acceleration(h)?;
             if self.is_resolved(&jerk, h) {
                 for (a_alg, j) in self.state.a_alg.iter_mut().zip(&jerk) {
                     *a_alg += shift * h * j;
@@ -115,7 +119,6 @@ impl<P: Problem> Integrator<P> {
     /// a forward one in time (loads may begin at the start).
     fn initial_jerk(&mut self, e: f64) -> Result<Vec<f64>, Error> {
         self.state.factor.h = 0.0;
-        self.statistics.factorizations += 4;
         let state = &self.state;
         let n = state.v.len();
         let mut q = state.q.clone();
@@ -130,11 +133,56 @@ impl<P: Problem> Integrator<P> {
             consistent_acceleration(&mut self.problem, self.solver.as_mut(), state.t + dt, &q, &v)
                 .map(|(a, _)| a)
         };
-        let ahead = along(0.0, e)?;
-        let behind = along(0.0, -e)?;
-        let now = along(0.0, 0.0)?;
         let later = along(e, 0.0)?;
-        Ok((0..n).map(|i| (0.5 * (ahead[i] - behind[i]) + (later[i] - now[i])) / e).collect())
+        let mut jerk: Vec<f64> = later.iter().zip(&state.a).map(|(b, a)| (b - a) / e).collect();
+        self.statistics.factorizations += 1;
+        if state.v.iter().any(|&v| v != 0.0) {
+            let (ahead, behind) = (along(0.0, e)?, along(0.0, -e)?);
+            for ((j, b), a) in jerk.iter_mut().zip(&ahead).zip(&behind) {
+                *j += 0.5 * (b - a) / e;
+            }
+            self.statistics.factorizations += 2;
+        }
+        Ok(jerk)
+    }
+
+    /// Takes out of the initial accelerations what the step cannot resolve: `(M + beta h^2 K) a1 = M a`, with the
+    /// constraints' accelerations kept.
+    ///
+    /// Let go, a stiff structure accelerates its stiffest parts at once (the slopes beside a support, in a fine
+    /// mesh), though they come to rest within a fraction of the step. Taken over it, that acceleration throws
+    /// them far from where they belong; damped by the scheme alone, it rings on for many steps. What the step resolves
+    /// changes by its square, the order of the scheme.
+    fn settle_acceleration(&mut self, h: f64) -> Result<(), Error> {
+        let n = self.state.v.len();
+        let beta = self.coefficients.beta;
+        let mass = Weights { mass: 1.0, damping: 0.0, stiffness: 0.0, jacobian: 0.0 };
+        let settled = Weights { stiffness: beta * h * h, jacobian: 1.0, ..mass };
+        let Self { problem, solver, state, work, .. } = self;
+        let at = state.point();
+        let mut a = at.a.to_vec();
+        a.resize(n + at.lambda_.len(), 0.0);
+        let x = &mut work.x;
+        x.fill(0.0);
+        problem.tangent(at, mass, &mut work.values);
+        problem.structure().multiply_add(&work.values, &a, x, false);
+        problem.constraint_acceleration(at, &mut x[n..]);
+        for remainder in &mut x[n..] {
+            *remainder = -*remainder;
+        }
+        problem.tangent(at, settled, &mut work.values);
+        self.statistics.factorizations += 1;
+        let factored = solver.factor(problem.structure(), &work.values);
+        if factored.is_err() {
+            // An unstable start: nothing to settle to.
+            return Ok(());
+        }
+        solver.solve(x);
+        if x.iter().all(|x| x.is_finite()) {
+            state.a.copy_from_slice(&x[..n]);
+            state.a_alg.copy_from_slice(&x[..n]);
+        }
+        Ok(())
     }
 
     /// Whether the step is short against the fastest motion that the start excites; else the jerk says nothing

@@ -186,6 +186,7 @@ macro_rules! with_law {
     ($self:ident . $method:ident ( $($argument:expr),* )) => {
         match $self.law.code() {
             0 => $self.$method(FixedLaw::<0>, $($argument),*),
+            1 => $self.$method(FixedLaw::<1>, $($argument),*),
             4 => $self.$method(FixedLaw::<4>, $($argument),*),
             32 => $self.$method(FixedLaw::<32>, $($argument),*),
             _ => $self.$method($self.law, $($argument),*),

@@ -19,27 +19,33 @@ pub struct StaticOptions {
     pub tolerance: Option<f64>,
 }
 
-/// Equilibria at the load factors reached, the last at 1; on failure those reached before it.
+/// Equilibria at the load factors reached, the last at 1, and whether the search got there: on failure (no
+/// equilibrium, something that floats free, a failing function of time) those reached before it.
 ///
 /// `poll` is told the load factor aimed at and stops the search by returning false.
-///
-/// # Errors
-/// No equilibrium, something that floats free, or a failing function of time.
 pub fn statics(
     model: &Arc<Model>,
     options: &StaticOptions,
     q: Option<&[f64]>,
     inputs: Option<Inputs>,
     poll: &mut dyn FnMut(f64) -> bool,
-) -> Result<Records, (Error, Records)> {
+) -> (Records, Result<(), Error>) {
     let mut records = Records::default();
+    let outcome = follow(model, options, q, inputs, poll, &mut records);
+    (records, outcome)
+}
+
+fn follow(
+    model: &Arc<Model>,
+    options: &StaticOptions,
+    q: Option<&[f64]>,
+    inputs: Option<Inputs>,
+    poll: &mut dyn FnMut(f64) -> bool,
+    records: &mut Records,
+) -> Result<(), Error> {
     let mut system = System::new(model.clone(), Mode::Static, inputs, false);
-    let mut solver = match model.solver(false) {
-        Ok(solver) => solver,
-        Err(error) => return Err((error, records)),
-    };
-    let n = model.coordinates();
-    let zero = vec![0.0; n];
+    let mut solver = model.solver(false)?;
+    let zero = vec![0.0; model.coordinates()];
     let mut state = State {
         q: q.unwrap_or(&model.initial_q).to_vec(),
         v: zero.clone(),
@@ -58,8 +64,9 @@ pub fn statics(
         };
         let mut poll = || !poll(options.to);
         let solver = solver.as_mut();
-        let path = solve_static(&mut system, solver, &state.q, &state.lambda_, &options, &mut poll);
-        for point in path.map_err(|error| (error, std::mem::take(&mut records)))? {
+        let path =
+            solve_static(&mut system, solver, &state.q, &state.lambda_, &options, &mut poll)?;
+        for point in path {
             let before = state.clone();
             state.t = point.load;
             state.q = point.q;
@@ -68,7 +75,7 @@ pub fn statics(
             records.push(model, &state, system.audit);
         }
     }
-    Ok(records)
+    Ok(())
 }
 
 fn point_of(state: &State) -> Point<'_> {

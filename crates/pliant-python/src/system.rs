@@ -199,13 +199,14 @@ impl PySystem {
             })
         };
         let options = StaticOptions { load_steps, tolerance };
-        let path =
+        let (path, outcome) =
             py.detach(|| solve::statics(&self.model, &options, q.as_deref(), callback, &mut poll));
-        match path {
-            Ok(path) => records(py, path, self.sizes()),
-            Err((error, path)) => {
+        let path = records(py, path, self.sizes())?;
+        match outcome {
+            Ok(()) => Ok(path),
+            Err(error) => {
                 let raised = raise(py, &failure, &error);
-                raised.value(py).setattr("records", records(py, path, self.sizes())?)?;
+                raised.value(py).setattr("records", path)?;
                 Err(raised)
             }
         }

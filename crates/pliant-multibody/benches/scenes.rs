@@ -1,0 +1,76 @@
+//! Whole steps of the falling cable pendulum: microseconds of CPU per element and step, with what the steps took and
+//! how well they kept the energy, for a loosened Newton is not speed.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use pliant_dae::generalized_alpha::Options;
+use pliant_multibody::model::Model;
+use pliant_multibody::run::{Run, RunOptions};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Largest time spent on preparing one measurement is that of this many element steps.
+const ELEMENT_STEPS: u64 = 400_000;
+
+fn start(model: &Arc<Model>, timed: bool) -> Run {
+    let integrator = Options { spectral_radius: 0.9, timed, ..Options::default() };
+    let options = RunOptions { step: 1e-3, integrator, threads: 1 };
+    Run::new(model.clone(), &options, None, None, None).unwrap()
+}
+
+fn pendulum(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("pendulum, one step");
+    group.sample_size(10);
+    for elements in [40_usize, 100, 400, 1000, 10_000] {
+        let model = Arc::new(Model::new(&support::pendulum(elements), &[]).unwrap());
+        let steps = (ELEMENT_STEPS / elements as u64).clamp(100, 1000);
+        let energy = |run: &Run| {
+            let state = run.state();
+            model.energy(&state.q, &state.v).iter().sum::<f64>()
+        };
+        let mut run = start(&model, true);
+        let before = energy(&run);
+        run.advance(steps, steps, Duration::MAX).unwrap();
+        let statistics = run.statistics();
+        let per = |count: usize| count as f64 / statistics.steps as f64;
+        let s = statistics.seconds;
+        let ns = |seconds: f64| 1e9 * seconds / (statistics.steps * elements) as f64;
+        println!(
+            "{elements} elements, {steps} steps: {:.2} iterations and {:.2} factorisations a step, energy {:+.2e} J; \
+             ns per element and step: residual {:.0}, tangent {:.0}, factor {:.0}, solve {:.0}, other {:.0}",
+            per(statistics.newton_iterations),
+            per(statistics.factorizations),
+            energy(&run) - before,
+            ns(s.residual),
+            ns(s.tangent),
+            ns(s.factor),
+            ns(s.solve),
+            ns(s.other),
+        );
+        group.throughput(Throughput::Elements(elements as u64));
+        group.bench_with_input(BenchmarkId::from_parameter(elements), &model, |bencher, model| {
+            bencher.iter_custom(|iterations| {
+                let mut spent = Duration::ZERO;
+                let mut left = iterations;
+                while left > 0 {
+                    // Every measurement runs through the same motion from the start.
+                    let mut run = start(model, false);
+                    let count = left.min(steps);
+                    let begin = Instant::now();
+                    run.advance(count, count, Duration::MAX).unwrap();
+                    spent += begin.elapsed();
+                    left -= count;
+                }
+                spent
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pendulum);
+criterion_main!(benches);
