@@ -1,5 +1,7 @@
 //! Modes of slender lines.
 
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use pliant_multibody::model::Model;

@@ -1,5 +1,7 @@
 //! The falling cable pendulum against an independent explicit integration of the same equations.
 
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use pliant_dae::generalized_alpha::Options;

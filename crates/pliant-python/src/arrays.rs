@@ -40,7 +40,7 @@ pub fn table(
     numbers: Vec<f64>,
     columns: usize,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let n = if columns == 0 { 0 } else { numbers.len() / columns };
+    let n = numbers.len().checked_div(columns).unwrap_or(0);
     numpy::PyArray1::from_vec(py, numbers).reshape([n, columns])
 }
 
@@ -50,6 +50,6 @@ pub fn vectors(
     numbers: Vec<f64>,
     rows: usize,
 ) -> PyResult<Bound<'_, PyArray3<f64>>> {
-    let n = if rows == 0 { 0 } else { numbers.len() / (3 * rows) };
+    let n = numbers.len().checked_div(3 * rows).unwrap_or(0);
     numpy::PyArray1::from_vec(py, numbers).reshape([n, rows, 3])
 }
