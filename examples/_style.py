@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
@@ -27,6 +28,22 @@ def plain(axes: Axes, xlabel: str, ylabel: str, title: str) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def seen_from(points: np.ndarray, azimuth: float, elevation: float) -> np.ndarray:
+    """Project points (..., 3) along a line of sight, angles in degrees; to the right and up, (..., 2)."""
+    a, e = np.radians((azimuth, elevation))
+    right = (-np.sin(a), np.cos(a), 0.0)
+    up = (-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e))
+    return points @ np.stack([right, up], axis=1)
+
+
+def scale_bar(axes: Axes, x: float, y: float, length: float, label: str) -> None:
+    """Draw a length into axes that show no numbers, and hide their frame."""
+    axes.plot([x, x + length], [y, y], color=INK, linewidth=2, solid_capstyle="butt")
+    axes.annotate(label, (x + length / 2, y), xytext=(0, -12), textcoords="offset points", ha="center")
+    axes.set_aspect("equal")
+    axes.set_axis_off()
 
 
 def slope_triangle(axes: Axes, x: float, y: float, order: float) -> None:
