@@ -267,7 +267,7 @@ def picture(crossing: Crossing) -> Figure:
     spectrum.plot(pitch[shown], heights[shown], color=BLUE)
     for frequency in modes.frequencies[upright]:
         spectrum.axvline(frequency, color=RED, linewidth=0.9, linestyle=":")
-    spectrum.annotate("vertical\nmodes", (0.97, 0.85), xycoords="axes fraction", ha="right", color=RED)
+    spectrum.annotate("vertical\nmodes", (0.42, 0.86), xycoords="axes fraction", color=RED)
     spectrum.set_ylim(0, 1.15 * heights[shown].max())
     spectrum.set_xlim(0, 1.25)
     title = f"It rings with {crossing.ringing:.4f} Hz (mode: {crossing.frequency:.4f})"

@@ -117,7 +117,7 @@ def picture(fall: Fall, shapes: int = 21) -> Figure:
     strobe.set_ylim(-1.12, 0.18)
     every = 1e3 * result.time[-1] / (shapes - 1)
     plain(strobe, "x [m]", "z [m]", f"A rope falls: its shape every {every:.0f} ms, the path of its free end")
-    scale = strobe.inset_axes((0.04, 0.19, 0.28, 0.03))
+    scale = strobe.inset_axes((0.035, 0.17, 0.19, 0.03))
     figure.colorbar(ScalarMappable(norm, colors), cax=scale, orientation="horizontal", label="time [s]")
 
     energy = result.energy

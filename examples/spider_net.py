@@ -284,7 +284,7 @@ def main() -> None:
     caught = run()
     speed = [
         np.linalg.norm(part.velocities("ball")[k, 0])
-        for run, k in ((caught.flight, -1), (caught.settling, 0))
+        for part, k in ((caught.flight, -1), (caught.settling, 0))
     ]
     print(f"the ball arrives with {speed[0]:.3f} m/s and goes on with {speed[1]:.3f} m/s;", end=" ")
     print(f"momentum of ball and net kept to {caught.momentum_error:.0e}")

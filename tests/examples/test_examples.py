@@ -1,0 +1,118 @@
+"""The examples at small sizes: they run, the numbers they promise hold, and they draw."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
+SMALL = {
+    "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
+    "falling_rope": {"elements": 12, "step": 2e-3},
+    "rolled_cantilever": {"elements": (8, 16)},
+    "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
+}
+
+
+@pytest.fixture(scope="module")
+def examples():
+    """Every example, imported as its neighbours import the shared style, and its small run."""
+    before = list(sys.path)
+    sys.path.insert(0, str(EXAMPLES))
+    try:
+        modules = {name: importlib.import_module(name) for name in NAMES}
+    finally:
+        sys.path[:] = before
+    return {name: (module, module.run(**SMALL[name])) for name, module in modules.items()}
+
+
+def test_every_example_is_tested_and_shown():
+    assert set(SMALL) == set(NAMES)
+    gallery = (EXAMPLES.parent / "docs/gallery.md").read_text(encoding="utf-8")
+    for name in NAMES:
+        assert f"python examples/{name}.py" in gallery
+        assert f"python examples/{name}.py" in (EXAMPLES / f"{name}.py").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_draws_and_reports(name, examples, tmp_path, monkeypatch, capsys):
+    module, numbers = examples[name]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(module, "run", lambda: numbers)
+    module.main()
+    said = capsys.readouterr().out
+    for path in said.split("look at ")[1].split(" and "):
+        assert Path(path.strip()).stat().st_size > 10_000
+
+
+def test_the_energy_audit_of_the_falling_rope_closes_with_order_2(examples, record):
+    _, fall = examples["falling_rope"]
+    # Half the step, a quarter of the gap; higher orders in h are worth a few per cent at 1 ms.
+    assert record("example falling rope, order of the energy audit", fall.order, 2.0, 0.1)
+    assert fall.gaps[-1] < 1e-4
+    # The free end of a flexible rope outruns that of a rigid rod.
+    assert fall.lowest_speed > 1.2 * fall.rod_speed
+    energy = fall.result.energy
+    assert np.all(np.diff(energy.dissipated) >= 0)
+
+
+def test_the_bridge_carries_its_weight(examples, record):
+    _, crossing = examples["catenary_bridge"]
+    assert record("example bridge, reactions against the weight", crossing.imbalance, 0.0, 1e-8)
+
+
+def test_a_free_cable_of_the_bridge_hangs_as_a_catenary(examples, record):
+    bridge, crossing = examples["catenary_bridge"]
+    # A catenary has no bending stiffness; ours lifts the line by the order of EI w/H^2, and the elements' own
+    # error is below that.
+    weight = bridge.STEEL.density * bridge.MAIN.area * bridge.GRAVITY
+    stiffness = bridge.STEEL.youngs_modulus * bridge.MAIN.area
+    force, sag = bridge.catenary(crossing.bridge.free_length, bridge.SPAN, weight, stiffness)
+    bending = bridge.STEEL.youngs_modulus * bridge.MAIN.second_moments[0]
+    tolerance = 2 * bending * weight / force**2
+    assert tolerance < 1e-4 * sag
+    assert record("example bridge, sag of a free main cable", crossing.sag, sag, tolerance, "m")
+    # A shallow cable is nearly a parabola: sag = w L/(8 H) times the span, wrong by (sag/span)^2 in order.
+    assert sag == pytest.approx(weight * bridge.SPAN**2 / (8 * force), rel=4 * (sag / bridge.SPAN) ** 2)
+
+
+def test_the_bridge_rings_at_its_lowest_vertical_mode(examples, record):
+    _, crossing = examples["catenary_bridge"]
+    frequency = crossing.frequency
+    # Other modes move the passages through zero a little.
+    assert record("example bridge, ringing", crossing.ringing, frequency, 0.01 * frequency, "Hz")
+
+
+def test_a_strip_rolls_up_with_order_4(examples, record):
+    module, rolling = examples["rolled_cantilever"]
+    # The second term of the error is (2 pi/8)^2 times smaller than the first.
+    assert record("example roll-up, order of convergence", rolling.order, 4.0, 0.1)
+    published = module.PUBLISHED
+    assert record("example roll-up, 16 elements", rolling.errors[-1], published, 1e-3 * published, "L")
+    # Thin strips: the same error with the default rule, locked with the exact one.
+    assert rolling.thin[-1] == pytest.approx(rolling.errors[-1], rel=0.05)
+    assert rolling.locking[-1] > 10 * rolling.thin[-1]
+    # The nodes of 16 elements lie on the exact arcs within the error of the end.
+    along = np.linspace(0, module.LENGTH, rolling.shapes.shape[1])
+    for factor, nodes in zip(rolling.factors, rolling.shapes, strict=True):
+        assert np.abs(nodes[:, :2] - module.arc(factor, along)).max() < 2 * published
+
+
+def test_the_net_catches_the_ball_inelastically(examples, record):
+    _, caught = examples["spider_net"]
+    # Nothing but the pin acts during the blow; what the far ring feels of it is below 1e-6 in this small net.
+    assert record("example catch, momentum", caught.momentum_error, 0.0, 1e-6)
+    # Differences of energies of 150 J in rounding; the rest of the flight's net is still to 1e-9 m/s.
+    assert caught.loss > 0
+    assert record("example catch, energy lost", caught.loss, caught.carnot, 1e-9 * 150.0, "J")
+    assert 0.1 < caught.depth < 1.0
+
+
+def test_the_energy_audit_after_the_catch_closes_with_order_2(examples, record):
+    _, caught = examples["spider_net"]
+    # The jump relaxes in a few of the small steps: the order is reached from below.
+    assert record("example catch, order of the energy audit", caught.order, 2.0, 0.25)
+    assert caught.gaps[-1] < 1e-3
