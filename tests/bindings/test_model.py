@@ -197,11 +197,7 @@ def test_what_is_not_there_is_absent() -> None:
 
 
 def test_import_is_light() -> None:
-    code = (
-        "import sys, time, json; import numpy; start = time.process_time(); import pliant; "
-        "print(json.dumps([time.process_time() - start, sorted(sys.modules)]))"
-    )
-    runs = [json.loads(subprocess.check_output([sys.executable, "-c", code])) for _ in range(3)]
-    for heavy in ("scipy", "matplotlib", "h5py", "tqdm"):
-        assert heavy not in runs[0][1]
-    assert min(seconds for seconds, _ in runs) < 0.1  # 50 ms on an idle machine
+    code = "import sys, json; import pliant; print(json.dumps(sorted(sys.modules)))"
+    modules = json.loads(subprocess.check_output([sys.executable, "-c", code]))
+    for heavy in ("scipy", "matplotlib", "h5py", "tqdm", "pliant._core"):
+        assert heavy not in modules

@@ -18,9 +18,7 @@ def line(axial_stiffness: float, bending_stiffness: float, mass: float = 1.0) ->
 def cantilever(elements: int, axial_stiffness: float, **options) -> tuple[pl.Model, object]:
     """A clamped line of unit length and bending stiffness along x."""
     model = pl.Model()
-    arm = model.add_cable(
-        [(0, 0, 0), (1, 0, 0)], elements=elements, **line(axial_stiffness, 1.0), **options
-    )
+    arm = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=elements, **line(axial_stiffness, 1.0), **options)
     model.clamp(arm.start)
     return model, arm
 

@@ -39,7 +39,9 @@ def test_sag_and_tension_of_the_elastic_catenary(stiffness, record):
         reaction = result.reaction(left).force[-1]
         if n == 32:
             # Reactions converge with the same order as the sag.
-            assert record(f"catenary EA = {stiffness:g}, horizontal force", -reaction[0], horizontal, 3e-5, "N")
+            assert record(
+                f"catenary EA = {stiffness:g}, horizontal force", -reaction[0], horizontal, 3e-5, "N"
+            )
             force = np.linalg.norm(reaction)
             assert record(f"catenary EA = {stiffness:g}, end tension", force, tension, 3e-5, "N")
             assert record(f"catenary EA = {stiffness:g}, sag", -middle[2], sag, 1e-6, "m")

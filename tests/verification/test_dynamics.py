@@ -50,7 +50,8 @@ def test_the_soft_pendulum_tells_the_strain_measures_apart(strain, time, record)
 
 
 def test_the_damped_soft_pendulum(record):
-    # Kelvin-Voigt, 5 ms: (x, y, v_x, v_y) at 0.3 s and 1.0 s; 96 elements, explicit integration. The reference
+    # Kelvin-Voigt, 5 ms: (x, y, v_x, v_y) at 0.3 s and 1.0 s; 96 elements, explicit integration. The
+    # reference
     # damps bending by the scalar rate of curvature, smoothed below 0.01/m; in a plane ours has the same power
     # but for that smoothing.
     exact = {
@@ -94,14 +95,13 @@ def flying_cable(elements: int, shake: float = 0.0):
         return np.cross(spin, x - (0.5, 0, 0)) + drift + wave
 
     model = pl.Model()
-    cable = model.add_cable(
-        [(0, 0, 0), (1, 0, 0)], elements=elements, velocity=velocity, **line(1e3, 1e-2)
-    )
+    cable = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=elements, velocity=velocity, **line(1e3, 1e-2))
     return model, cable
 
 
 def test_free_flight_conserves_momentum_exactly_and_energy_to_the_order(record):
-    # Drift at the end of an independent implementation, without the corrections of the start: h -> (angular, energy).
+    # Drift at the end of an independent implementation, without the corrections of the start: h ->
+    # (angular, energy).
     published = {2e-3: (9.67e-7, 2.49e-6), 1e-3: (1.78e-7, 4.45e-7)}
     largest = {}
     for step, (angular, energy) in published.items():
@@ -124,7 +124,9 @@ def test_a_waving_flight_in_space_agrees_with_explicit_integration(record):
     # 16 elements (two-point bending rule there), 2 s, 8000 Runge-Kutta steps of order 8.
     model, cable = flying_cable(16, shake=2.0)
     start = pl.simulate(model, duration=1e-4, step=1e-4, threads=1)
-    assert record("waving flight, linear momentum", start.momentum[0], (0.3, 0.2, 1.2266593851), 2e-6, "kg m/s")
+    assert record(
+        "waving flight, linear momentum", start.momentum[0], (0.3, 0.2, 1.2266593851), 2e-6, "kg m/s"
+    )
     assert record("waving flight, energy", start.energy.total[0], 2.316494029530222, 2e-5, "J")
     tip, _, _ = tip_after(model, cable.end, 2.0, 1e-4, spectral_radius=0.9)
     assert record("waving flight, tip after 2 s", tip, (1.42640, 0.06174, 2.52636), 2e-2, "m")
@@ -156,7 +158,8 @@ def test_tightening_newton_tenfold_moves_the_tip_by_less_than_1e_9(record):
 
 def test_the_first_step_is_consistent(record):
     # A line at rest, let go: the reaction starts at the static share of a hinged bar, a quarter of its weight
-    # for a stiff bar; here the bar is a cable without much bending stiffness, so its pinned end carries nothing
+    # for a stiff bar; here the bar is a cable without much bending stiffness, so its pinned end carries
+    # nothing
     # sideways but what its inertia gives at once.
     model, cable = rubber_pendulum(16)
     result = pl.simulate(model, duration=0.01, step=1e-4, threads=1)

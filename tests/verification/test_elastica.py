@@ -22,10 +22,25 @@ EXTENSIBLE = {
 }
 # Tip errors of an independent implementation of the same element, n = 2, 4, 8, 16, P = 2.
 LOCKING = {
-    (1e8, "lobatto"): (7.966871485522195e-04, 5.275112408372982e-05, 3.3010234335570923e-06, 2.06207922935e-07),
+    (1e8, "lobatto"): (
+        7.966871485522195e-04,
+        5.275112408372982e-05,
+        3.3010234335570923e-06,
+        2.06207922935e-07,
+    ),
     (1e8, "full"): (0.1290047779867343, 0.010850605817564545, 0.0015584948887083759, 0.0003373793403971575),
-    (1e4, "lobatto"): (7.962184522729969e-04, 5.271739605891e-05, 3.298949103037928e-06, 2.0607996535296928e-07),
-    (1e4, "full"): (0.016480686774339833, 0.0009906082734107123, 2.347852928461704e-05, 4.656446916018209e-07),
+    (1e4, "lobatto"): (
+        7.962184522729969e-04,
+        5.271739605891e-05,
+        3.298949103037928e-06,
+        2.0607996535296928e-07,
+    ),
+    (1e4, "full"): (
+        0.016480686774339833,
+        0.0009906082734107123,
+        2.347852928461704e-05,
+        4.656446916018209e-07,
+    ),
 }
 
 
@@ -102,7 +117,8 @@ def test_follower_force_keeps_its_angle_to_the_tangent(record):
         position = pl.solve_static(model, load_steps=8).track(arm.end).position[-1]
         tips.append([c * position[0] + s * position[1], -s * position[0] + c * position[1]])
     assert np.allclose(tips[0], tips[1], atol=1e-9)
-    # 32 elements: 2.3e-7, of order 4. Exact planar solution: th'' = P cos(...) of the follower elastica, shot from the tip.
+    # 32 elements: 2.3e-7, of order 4. Exact planar solution: th'' = P cos(...) of the follower elastica,
+    # shot from the tip.
     exact = _follower_elastica(5.0)
     assert record("follower force P L^2/EI = 5, tip", error(np.array(tips[0]), exact), 0.0, 4e-7, unit="L")
 
@@ -114,7 +130,7 @@ def _line():
 
 
 def _follower_elastica(p: float) -> tuple[float, float]:
-    """Tip of an inextensible cantilever under a force across its tip: curvature M' = p cos(theta - theta_tip)."""
+    """Tip of an inextensible cantilever under a force p that stays across its tip."""
     from scipy.integrate import solve_ivp
 
     # In the frame of the tip, backwards: kappa(0) = 0, d kappa/ds = p cos(theta) from the tip inwards.
