@@ -19,9 +19,10 @@ from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.materials import LinearElastic, SaintVenantKirchhoff, youngs_modulus_from_shore_a
 from pliant.model import Model
-from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass
+from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass, RigidBody
 from pliant.result import Result
 from pliant.sections import Circle, Rectangle, Section, Tube
+from pliant.shapes import Box, Capsule, Cylinder, Sphere
 from pliant.signals import Ramp, Table
 from pliant.simulation import Modes, simulate, solve_modes, solve_static
 
@@ -29,11 +30,14 @@ if TYPE_CHECKING:
     from pliant import scenes
 
 __all__ = [
+    "Box",
     "Cable",
     "CableNet",
+    "Capsule",
     "Circle",
     "ConvergenceError",
     "Curve",
+    "Cylinder",
     "FileError",
     "Joint",
     "LinearElastic",
@@ -46,8 +50,10 @@ __all__ = [
     "Ramp",
     "Rectangle",
     "Result",
+    "RigidBody",
     "SaintVenantKirchhoff",
     "Section",
+    "Sphere",
     "Table",
     "Tube",
     "scenes",

@@ -10,9 +10,21 @@ import numpy as np
 from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
-from pliant.joints import JointData, Pin
+from pliant.joints import JointData, Pair
 from pliant.loads import LineLoad, LoadData
-from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, WorldPoint, require_handle
+from pliant.points import (
+    Cable,
+    CableNet,
+    Handle,
+    Joint,
+    Load,
+    Point,
+    PointMass,
+    RigidBody,
+    WorldPoint,
+    require_handle,
+)
+from pliant.rigid import RigidBodyData
 from pliant.signals import Signal, Table
 from pliant.typing import ArrayLike, FloatArray
 
@@ -69,6 +81,8 @@ class Contents:
             body = self._bodies.get(name)
             if isinstance(body, MassBody):
                 return self._mass_handle(name)
+            if isinstance(body, RigidBodyData):
+                return RigidBody(name, self._identity)
             if isinstance(body, LineBody):
                 return (Cable if body.kind == "cable" else CableNet)(name, self._identity, body)
         names = ", ".join([*self._bodies, *self._joints, *self._loads]) or "nothing"
@@ -82,10 +96,10 @@ class Contents:
                 places.append((body.at, (Point, type(None))))
         for joint in self._joints.values():
             places.append((joint.a, (Point,)))
-            if isinstance(joint, Pin):
+            if isinstance(joint, Pair):
                 places.append((joint.b, (Point, WorldPoint)))
             else:
-                self._line_point(joint.a, "point")
+                self._directed_point(joint.a, "point")
         for load in self._loads.values():
             if not isinstance(load, LineLoad):
                 places.append((load.at, (Point,)))
@@ -133,7 +147,7 @@ class Contents:
         return self._bodies[handle.name]
 
     def _point(self, value: Any, name: str) -> Point:
-        if isinstance(value, PointMass):
+        if isinstance(value, (PointMass, RigidBody)):
             value = value.center
         if not isinstance(value, Point):
             _check.fail(name, value, "must be a point of a body, such as rope.end")
@@ -145,7 +159,17 @@ class Contents:
         nodes = body.nodes if isinstance(body, LineBody) else 1
         if value.element >= elements or (value.node is not None and value.node >= nodes):
             _check.fail(name, value, f"body '{value.body}' of this model has {elements} elements")
+        if (value.local is not None) != isinstance(body, RigidBodyData):
+            _check.fail(name, value, f"body '{value.body}' of this model is of another kind")
         return value
+
+    def _directed_point(self, value: Any, name: str) -> Point:
+        point = self._point(value, name)
+        if isinstance(self._bodies[point.body], MassBody):
+            _check.fail(
+                name, value, "must be a point of a cable or of a rigid body: a point mass has no directions"
+            )
+        return point
 
     def _line_point(self, value: Any, name: str) -> Point:
         point = self._point(value, name)
@@ -154,7 +178,7 @@ class Contents:
         return point
 
     def _other(self, value: Any, name: str) -> Point | WorldPoint:
-        if isinstance(value, (Point, PointMass)):
+        if isinstance(value, (Point, PointMass, RigidBody)):
             return self._point(value, name)
         if isinstance(value, Handle):
             _check.fail(name, value, "must be a point, a body or three numbers")
@@ -162,9 +186,64 @@ class Contents:
 
     def _nearest(self, handle: Any, name: str, target: FloatArray) -> Point:
         body = self._body(handle, name)
-        if not isinstance(body, LineBody):
+        if isinstance(body, MassBody):
             return self._point(handle, name)
         return body.nearest(target, self._identity)
+
+    def _pair(
+        self, a: Any, b: Any, names: tuple[str, str], *, anywhere: bool = False
+    ) -> tuple[Point, Point | WorldPoint, bool]:
+        """Points that a joint brings together; a bare body is its point at the other side's place.
+
+        ``anywhere``: the joint is the same wherever its point lies on a rigid body, so that two bare ones do.
+        """
+        bare = (Cable, CableNet, RigidBody)
+        if not isinstance(a, (Point, Handle)):
+            _check.fail(names[0], a, "must be a point of a body, such as rope.start")
+        if anywhere and isinstance(a, RigidBody) and (b is None or isinstance(b, bare)):
+            a = a.center
+        if isinstance(a, bare) and isinstance(b, bare):
+            _check.fail(names[1], b, "give a point of one of the two bodies, such as rope.end")
+        if isinstance(a, bare) and b is None:
+            _check.fail(names[0], a, "give the point of the body, such as rope.start or body.at((0, 0, 0))")
+        other: Point | WorldPoint
+        if isinstance(a, bare):
+            other = self._other(b, names[1])
+            point = self._nearest(a, names[0], self._position(other))
+        else:
+            point = self._point(a, names[0])
+            here = self._position(point)
+            if b is None:
+                other = world_point(here)
+            elif isinstance(b, bare):
+                other = self._nearest(b, names[1], here)
+            else:
+                other = self._other(b, names[1])
+        if point == other:
+            _check.fail(names[1], b, "is the same point")
+        return point, other, b is None
+
+    def _require_together(self, a: Point, b: Point | WorldPoint, given: Any, name: str) -> None:
+        """Refuse two points that do not coincide at the start."""
+        gap = float(np.linalg.norm(self._position(a) - self._position(b)))
+        if gap > 1e-6 * self._size():
+            _check.fail(
+                name,
+                given,
+                f"the points must coincide at the start, but are {gap:.6g} m apart ({a}; {b}); move one body",
+            )
+        for one, other in ((a, b), (b, a)):
+            if isinstance(one, Point) and isinstance(other, Point):
+                self._require_same_plane(one, other)
+
+    def _tangent(self, point: Point | WorldPoint) -> FloatArray | None:
+        """Unit tangent at the start, on cables."""
+        body = self._bodies[point.body] if isinstance(point, Point) else None
+        if not isinstance(body, LineBody) or not isinstance(point, Point):
+            return None
+        tangent = body.tangent(point.element, point.xi)
+        unit: FloatArray = tangent / np.linalg.norm(tangent)
+        return unit
 
     def _position(self, point: Point | WorldPoint) -> FloatArray:
         """Position at the start."""
@@ -173,6 +252,9 @@ class Contents:
         body = self._bodies[point.body]
         if isinstance(body, MassBody):
             return self._position(body.at) if body.at is not None else np.array(body.position.position)
+        if isinstance(body, RigidBodyData):
+            center: FloatArray = body.weights(point) @ body.r
+            return center
         if point.node is not None:
             place: FloatArray = body.r[body.first[point.node]]
             return place.copy()
@@ -186,6 +268,10 @@ class Contents:
         """Largest edge of the box around the model [m]."""
         places = [body.r for body in self._bodies.values() if isinstance(body, LineBody)]
         places += [np.array([b.position.position]) for b in self._bodies.values() if isinstance(b, MassBody)]
+        for b in self._bodies.values():
+            if isinstance(b, RigidBodyData):
+                gyration = float(np.sqrt(np.trace(b.inertia) / 2.0 / b.mass))
+                places.append(b.position + gyration * np.array([[-1.0], [1.0]]))
         size = float(np.ptp(np.vstack(places), axis=0).max())
         return size if size > 0 else 1.0
 

@@ -50,8 +50,10 @@ class System:
         """Offsets in q of each node's position and slope, shape (nodes, 2)."""
     def shared_offsets(self) -> IntArray:
         """Offsets in q of the shared points, shape (p,)."""
+    def rigid_offsets(self) -> IntArray:
+        """Offsets in q of the centres of the rigid bodies, whose three axes follow, shape (bodies,)."""
     def joint_offsets(self) -> IntArray:
-        """First multiplier and number of multipliers of each joint, shape (joints, 2)."""
+        """First multiplier and number of multipliers of each joint and of each rigid body's rigidity, (k, 2)."""
     def describe_solver(self) -> str: ...
     def masses(self) -> tuple[float, FloatArray]:
         """Total mass [kg] and first moment at the start, shape (3,) [kg m]."""
@@ -97,6 +99,8 @@ class System:
         self, joint: int, time: FloatArray, q: FloatArray, lambda_: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Force [N] and moment [N m] that the joint exerts on its first point, each (n, 3)."""
+    def joint_motion(self, joint: int, q: FloatArray, v: FloatArray) -> FloatArray | None:
+        """Freedom of a joint and its rate, (n, 2): angle [rad] from -pi to pi, or way [m]; None where there is none."""
     def nodal_force(
         self,
         cable: int,

@@ -10,9 +10,11 @@ import numpy as np
 
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
-from pliant.joints import Clamp, Pin
+from pliant.joints import JOINTS
 from pliant.loads import Force, LineLoad, Moment
 from pliant.points import Point, WorldPoint
+from pliant.rigid import RigidBodyData
+from pliant.shapes import SHAPES
 from pliant.signals import Combination, Constant, Function, LostFunction, Ramp, Table
 
 VERSION = 1
@@ -21,8 +23,9 @@ KINDS: Mapping[str, type[Any]] = {
     for kind in (
         LineBody,
         MassBody,
-        Pin,
-        Clamp,
+        RigidBodyData,
+        *SHAPES,
+        *JOINTS,
         Force,
         Moment,
         LineLoad,

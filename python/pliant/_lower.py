@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections import defaultdict
 from collections.abc import Mapping
@@ -12,9 +13,21 @@ import numpy as np
 
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
-from pliant.joints import Clamp, Pin
+from pliant.joints import (
+    Clamp,
+    Cylindrical,
+    Distance,
+    Hinge,
+    JointData,
+    Pair,
+    Pin,
+    Slider,
+    Universal,
+    Weld,
+)
 from pliant.loads import Force, LineLoad, Moment
 from pliant.points import Point, WorldPoint
+from pliant.rigid import RigidBodyData
 from pliant.signals import Function
 from pliant.typing import FloatArray, Json
 
@@ -24,11 +37,23 @@ if TYPE_CHECKING:
 VERSION = 1
 INLINE = 12  # arrays up to this size are written into the document
 
+EQUATIONS: dict[type, int] = {
+    Pin: 3,
+    Clamp: 6,
+    Weld: 6,
+    Hinge: 5,
+    Slider: 5,
+    Cylindrical: 4,
+    Universal: 4,
+    Distance: 1,
+}
+
 Node = tuple[str, int]
 
 
 class BodyState(NamedTuple):
-    """Strand nodes of one body (a free mass: one row, slopes unused), each (n, 3)."""
+    """Strand nodes of one body, each (n, 3); slopes are unused by a free mass (one row) and a rigid body (centre
+    and axes, four rows)."""
 
     r: FloatArray
     t: FloatArray
@@ -55,8 +80,8 @@ class Lowered:
         The core's document and the arrays beside it.
     inputs : list of Input
         Callables.
-    cables, shared : dict
-        Number of the cable of each line body; number of the shared point of each free mass.
+    cables, shared, rigid : dict
+        Number of the cable of each line body; of the shared point of each free mass; of each rigid body.
     plan : dict
         How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}``
         with what acts on the first body's side, or ``{"kind": "redundant"}``.
@@ -67,6 +92,7 @@ class Lowered:
     inputs: list[Input] = field(default_factory=list)
     cables: dict[str, int] = field(default_factory=dict)
     shared: dict[str, int] = field(default_factory=dict)
+    rigid: dict[str, int] = field(default_factory=dict)
     plan: dict[str, Json] = field(default_factory=dict)
     coordinates: int = 0
     multipliers: int = 0
@@ -83,6 +109,9 @@ def initial_state(model: Model) -> dict[str, BodyState]:
     for name, body in model._bodies.items():
         if isinstance(body, LineBody):
             states[name] = BodyState(body.r, body.t, body.v_r, body.v_t)
+        elif isinstance(body, RigidBodyData):
+            none = np.zeros((1, 3))
+            states[name] = BodyState(body.r, none, body.v_r, none)
         elif body.at is None:
             place, speed = (np.array([p.position]) for p in (body.position, body.velocity))
             states[name] = BodyState(place, np.zeros((1, 3)), speed, np.zeros((1, 3)))
@@ -104,6 +133,8 @@ class _Lowering:
         self.lowered = Lowered({})
         self.lines = {name: body for name, body in model._bodies.items() if isinstance(body, LineBody)}
         self.masses = {name: body for name, body in model._bodies.items() if isinstance(body, MassBody)}
+        self.rigid = {name: body for name, body in model._bodies.items() if isinstance(body, RigidBodyData)}
+        self.lowered.rigid = {name: k for k, name in enumerate(self.rigid)}
         self.lowered.cables = {name: k for k, name in enumerate(self.lines)}
 
     def run(self) -> Lowered:
@@ -118,6 +149,17 @@ class _Lowering:
             "shared_points": self._array(places),
             "shared_velocities": self._array(speeds),
             "cables": [self._cable(body, body.name in relocated) for body in self.lines.values()],
+            "rigid_bodies": [
+                {
+                    "name": body.name,
+                    "mass": body.mass,
+                    **{
+                        key: getattr(body, key).tolist()
+                        for key in ("inertia", "position", "axes", "velocity", "angular_velocity")
+                    },
+                }
+                for body in self.rigid.values()
+            ],
             "masses": [
                 {
                     "name": m.name,
@@ -129,10 +171,29 @@ class _Lowering:
             "joints": joints,
             "loads": [self._load(load) for load in self.model._loads.values()],
         }
-        out.multipliers = sum(3 if joint["kind"] == "pin" else 5 for joint in joints)
+        out.multipliers = 6 * len(self.rigid) + sum(
+            self._equations(joint)
+            for name, joint in self.model._joints.items()
+            if out.plan[name]["kind"] == "multiplier"
+        )
         nodes = sum(len(body.users) for body in self.lines.values())
-        out.coordinates = 6 * nodes - 3 * sum(map(len, self.rows.values())) + 3 * len(places)
+        out.coordinates = (
+            6 * nodes - 3 * sum(map(len, self.rows.values())) + 3 * len(places) + 12 * len(self.rigid)
+        )
         return out
+
+    def _equations(self, joint: JointData) -> int:
+        """Number of equations of a joint; a cable has one direction, which cannot twist."""
+        count = EQUATIONS[type(joint)]
+        sides = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
+        for tangent in map(self.model._tangent, sides):
+            if tangent is None:
+                continue
+            if isinstance(joint, (Clamp, Weld, Slider)):
+                return count - 1
+            if isinstance(joint, Hinge) and abs(tangent @ joint.axis) <= 1e-6:
+                return count - 1
+        return count
 
     # Points that share coordinates
 
@@ -150,7 +211,9 @@ class _Lowering:
         for pin in pins:
             if not pin.here:
                 self._require_no_gap(pin)
-        speed = max((float(np.abs(s.v_r).max(initial=0.0)) for s in self.state.values()), default=0.0)
+        speed = max(
+            (float(np.abs(self.state[name].v_r).max(initial=0.0)) for name in self.lines), default=0.0
+        )
         awkward = self._awkward_nodes()
         candidates: dict[str, tuple[Node, Node]] = {}
         for pin in pins:
@@ -224,7 +287,7 @@ class _Lowering:
             if isinstance(load, Moment) and load.at.node is None:
                 inside.append(load.at)
         for joint in self.model._joints.values():
-            points = (joint.a, joint.b) if isinstance(joint, Pin) else (joint.a,)
+            points = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
             inside += [p for p in points if isinstance(p, Point) and p.node is None]
         inside += [m.at for m in self.masses.values() if m.at is not None and m.at.node is None]
         nodes: set[Node] = set()
@@ -248,14 +311,15 @@ class _Lowering:
         if isinstance(point, WorldPoint):
             return np.array(point.position)
         state = self.state[point.body]
+        if point.body in self.rigid:
+            place: FloatArray = self.rigid[point.body].weights(point) @ state.r
+            return place
         body = self.lines.get(point.body)
         if body is None:
             center: FloatArray = state.r[0]
             return center
         first, weights = body.shape(point.element, point.xi)
-        place: FloatArray = weights @ np.stack(
-            [state.r[first], state.t[first], state.r[first + 1], state.t[first + 1]]
-        )
+        place = weights @ np.stack([state.r[first], state.t[first], state.r[first + 1], state.t[first + 1]])
         return place
 
     def _require_no_gap(self, pin: Pin) -> None:
@@ -272,7 +336,7 @@ class _Lowering:
         if not self.moved:
             return bodies
         for joint in self.model._joints.values():
-            if not isinstance(joint, Clamp):
+            if not isinstance(joint, Clamp) or joint.a.body not in self.lines:
                 continue
             name = joint.a.body
             body, state = self.lines[name], self.state[name]
@@ -334,6 +398,8 @@ class _Lowering:
     def _point(self, point: Point | WorldPoint) -> Json:
         if isinstance(point, WorldPoint):
             return {"world": list(point.position)}
+        if point.local is not None:
+            return {"rigid": self.lowered.rigid[point.body], "local": list(point.local)}
         if point.body in self.masses:
             return {"shared": self.lowered.shared[point.body]}
         return {"cable": self.lowered.cables[point.body], "element": point.element, "xi": point.xi}
@@ -358,7 +424,10 @@ class _Lowering:
                 here = self._place(joint.a)
                 if np.linalg.norm(here - np.array(b.position)) > 2e-6 * self.size:
                     b = WorldPoint((float(here[0]), float(here[1]), float(here[2])))
-            documents.append({"kind": "pin", "name": name, "a": self._point(joint.a), "b": self._point(b)})
+            fields = {field.name: getattr(joint, field.name) for field in dataclasses.fields(joint)}
+            del fields["here"]
+            fields.update(a=self._point(joint.a), b=self._point(b))
+            documents.append({"kind": type(joint).__name__.lower(), **fields})
         for name in self.tree:
             plan[name] = self._side(name)
         return documents
@@ -381,7 +450,7 @@ class _Lowering:
         for other, joint in model._joints.items():
             if self.lowered.plan.get(other, {}).get("kind") != "multiplier":
                 continue
-            points = ((joint.a, 1.0), (joint.b, -1.0)) if isinstance(joint, Pin) else ((joint.a, 1.0),)
+            points = ((joint.a, 1.0), (joint.b, -1.0)) if isinstance(joint, Pair) else ((joint.a, 1.0),)
             joints += [[other, sign] for point, sign in points if self._line_node(point) in side]
         return {
             "kind": "shared",

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant.bodies import LineBody
-from pliant.joints import Pin
+from pliant.joints import Pair
 from pliant.loads import Force, LineLoad
+from pliant.rigid import RigidBodyData
 from pliant.signals import Constant, Signal
 
 if TYPE_CHECKING:
@@ -31,10 +32,13 @@ def describe(model: Model) -> str:
             size = f"{body.elements} elements, {body.lengths.sum():.6g} m, {mass.sum():.4g} kg"
             text = f"{size}, section {body.section}"
             rows.append((name, what, text))
+        elif isinstance(body, RigidBodyData):
+            place = "({:.6g}, {:.6g}, {:.6g})".format(*body.position)
+            rows.append((name, "rigid body", f"{body.mass:.6g} kg at {place}"))
         else:
             rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))
     for name, joint in model._joints.items():
-        text = f"{joint.a} to {joint.b}" if isinstance(joint, Pin) else str(joint.a)
+        text = f"{joint.a} to {joint.b}" if isinstance(joint, Pair) else str(joint.a)
         how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": ""}[
             lowered.plan[name]["kind"]
         ]

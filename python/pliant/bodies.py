@@ -13,6 +13,7 @@ from pliant.curves import Curve, Line, element_nodes, first_nodes, polyline, smo
 from pliant.errors import ModelError
 from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff
 from pliant.points import Point, WorldPoint
+from pliant.rigid import RigidBodyData
 from pliant.sections import require_isotropic
 from pliant.typing import FloatArray, IntArray
 
@@ -149,6 +150,18 @@ class LineBody:
         length = float(self.lengths[element])
         return int(self.element_nodes[element]), hermite(np.array(xi), np.array(length))
 
+    def tangent(self, element: int, xi: float) -> FloatArray:
+        """Tangent dr/ds at the start."""
+        length = float(self.lengths[element])
+        a = int(self.element_nodes[element])
+        r, t = self.r[a : a + 2], self.t[a : a + 2]
+        slope: FloatArray = (
+            6.0 * xi * (1 - xi) * (r[1] - r[0]) / length
+            + (1 - 4 * xi + 3 * xi**2) * t[0]
+            + (3 * xi**2 - 2 * xi) * t[1]
+        )
+        return slope
+
     def nearest(self, target: FloatArray, identity: str) -> Point:
         """Point of the line nearest to ``target`` at the start."""
         x = np.linspace(0.0, 1.0, 9)
@@ -200,7 +213,7 @@ class MassBody:
                 _check.fail("position", place, "must be three numbers")
 
 
-Body = LineBody | MassBody
+Body = LineBody | MassBody | RigidBodyData
 
 
 def hermite(xi: FloatArray, length: FloatArray) -> FloatArray:

@@ -9,6 +9,8 @@ import numpy as np
 
 from pliant import _check
 from pliant.bodies import LineBody, hermite
+from pliant.rigid import RigidBodyData
+from pliant.shapes import Shape
 from pliant.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -68,11 +70,26 @@ def draw(result: Result, frames: IntArray, color: Any = None, points: int = 4000
     for name, body in result.model._bodies.items():
         if isinstance(body, LineBody):
             drawings.append(_line(result, name, body, frames, fine, color))
+        elif isinstance(body, RigidBodyData) and body.shape is not None:
+            drawings.append(_rigid(result, name, body.shape, frames))
         else:
             place = result.positions(name)[frames]
             speed = np.linalg.norm(result.velocities(name)[frames], axis=2)
             drawings.append(Drawing(name, place, np.array([1]), {"speed": speed}, 0.0))
     return drawings
+
+
+def _rigid(result: Result, name: str, shape: Shape, frames: IntArray) -> Drawing:
+    """Outline of a rigid body."""
+    outline = np.concatenate(shape.outline)
+    weights = np.column_stack([np.ones(len(outline)), outline])
+    index = result._offsets(name) + np.arange(3)
+    points, speeds = (
+        np.einsum("pi,nik->npk", weights, rows[frames][:, index])
+        for rows in (result._records.q, result._records.v)
+    )
+    strands = np.array([len(line) for line in shape.outline])
+    return Drawing(name, points, strands, {"speed": np.linalg.norm(speeds, axis=2)}, 0.0)
 
 
 def _line(result: Result, name: str, body: LineBody, frames: IntArray, fine: int, color: Any) -> Drawing:

@@ -10,22 +10,24 @@ from typing import Any
 import numpy as np
 
 from pliant import _check
-from pliant._contents import Contents, world_point
+from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
+from pliant._mechanism import Mechanism
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
-from pliant.joints import Clamp, Pin
+from pliant.joints import JOINTS, Clamp, Pin
 from pliant.loads import Force, LineLoad, Moment
 from pliant.materials import Material
-from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, WorldPoint
+from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass
+from pliant.rigid import RigidBodyData
 from pliant.signals import Signal, as_signal
 from pliant.typing import ArrayLike, FloatArray, Json
 
 __all__ = ["Model"]
 
 
-class Model(Contents):
+class Model(Mechanism):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -296,12 +298,14 @@ class Model(Contents):
     # Joints
 
     def clamp(self, point: Any, *, name: str | None = None) -> Joint:
-        """Hold a point of a cable: its position and the direction of its tangent (the stretch is free).
+        """Hold a point of a cable, its position and the direction of its tangent, or a rigid body.
+
+        The stretch of a cable is free.
 
         Parameters
         ----------
-        point : Point
-            A point of a cable or a net.
+        point : Point or RigidBody
+            A point of a cable or a net, or a rigid body.
 
         Returns
         -------
@@ -319,7 +323,7 @@ class Model(Contents):
         >>> model.constraints
         5
         """
-        at = self._line_point(point, "point")
+        at = self._directed_point(point, "point")
         return self._add_joint(Clamp(self._new_name(name, "clamp"), at))
 
     def pin(self, point: Any, to: Any = None, *, name: str | None = None) -> Joint:
@@ -348,39 +352,9 @@ class Model(Contents):
         >>> model.constraints
         3
         """
-        if not isinstance(point, (Point, Handle)):
-            _check.fail("point", point, "must be a point of a body, such as rope.start")
-        bare = (Cable, CableNet)
-        if isinstance(point, bare) and isinstance(to, bare):
-            _check.fail("to", to, "give a point of one of the two bodies, such as rope.end")
-        if isinstance(point, bare) and to is None:
-            _check.fail("point", point, "give the point of the body, such as rope.start")
-        b: Point | WorldPoint
-        if isinstance(point, bare):
-            b = self._other(to, "to")
-            a = self._nearest(point, "point", self._position(b))
-        else:
-            a = self._point(point, "point")
-            here = self._position(a)
-            if to is None:
-                b = world_point(here)
-            elif isinstance(to, bare):
-                b = self._nearest(to, "to", here)
-            else:
-                b = self._other(to, "to")
-        if a == b:
-            _check.fail("to", to, "is the same point")
-        gap = float(np.linalg.norm(self._position(a) - self._position(b)))
-        if gap > 1e-6 * self._size():
-            _check.fail(
-                "to",
-                to,
-                f"the points must coincide at the start, but are {gap:.6g} m apart ({a}; {b}); move one body",
-            )
-        for one, other in ((a, b), (b, a)):
-            if isinstance(one, Point) and isinstance(other, Point):
-                self._require_same_plane(one, other)
-        return self._add_joint(Pin(self._new_name(name, "pin"), a, b, here=to is None))
+        a, b, here = self._pair(point, to, ("point", "to"))
+        self._require_together(a, b, to, "to")
+        return self._add_joint(Pin(self._new_name(name, "pin"), a, b, here))
 
     # Loads
 
@@ -394,7 +368,8 @@ class Model(Contents):
         force : array_like, shape (3,), callable, Table or product with a Ramp
             Force [N].
         follower : bool
-            Turns with the tangent of the cable, in the plane of tangent and force at the start.
+            Turns with the tangent of the cable, in the plane of tangent and force at the start, or with the
+            rigid body.
 
         Examples
         --------
@@ -412,13 +387,15 @@ class Model(Contents):
         value = as_signal(force, "force", 3)
         follower = _check.flag(follower, "follower")
         body = self._bodies[at.body]
-        if follower and not isinstance(body, LineBody):
+        if follower and isinstance(body, MassBody):
             _check.fail("follower", follower, "a point mass has no direction to follow")
         self._require_in_plane(body, value, "force")
         return self._add_load(Force(self._new_name(name, "force"), at, value, follower))
 
     def add_moment(self, point: Any, moment: Any, *, name: str | None = None) -> Load:
-        """Add a moment at a point of a cable; its part along the tangent does nothing.
+        """Add a moment at a point of a cable, or on a rigid body.
+
+        On a cable the part along the tangent does nothing.
 
         Parameters
         ----------
@@ -437,7 +414,7 @@ class Model(Contents):
         >>> model.add_moment(rope.end, (0, 0, 0.1)).name
         'moment1'
         """
-        at = self._line_point(point, "point")
+        at = self._directed_point(point, "point")
         value = as_signal(moment, "moment", 3)
         self._require_in_plane(self._bodies[at.body], value, "moment", along=True)
         return self._add_load(Moment(self._new_name(name, "moment"), at, value))
@@ -536,8 +513,8 @@ class Model(Contents):
             model = cls(document["gravity"])
             model._identity = _check.text(document["identity"], "identity")
             lists: list[tuple[str, dict[str, Any], tuple[type, ...]]] = [
-                ("bodies", model._bodies, (LineBody, MassBody)),
-                ("joints", model._joints, (Pin, Clamp)),
+                ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData)),
+                ("joints", model._joints, JOINTS),
                 ("loads", model._loads, (Force, Moment, LineLoad)),
             ]
             for key, items, kinds in lists:

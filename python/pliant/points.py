@@ -9,11 +9,12 @@ import numpy as np
 
 from pliant import _check
 from pliant.errors import ModelError
+from pliant.typing import ArrayLike
 
 if TYPE_CHECKING:
     from pliant.bodies import LineBody
 
-__all__ = ["Cable", "CableNet", "Handle", "Joint", "Load", "Point", "PointMass", "WorldPoint"]
+__all__ = ["Cable", "CableNet", "Handle", "Joint", "Load", "Point", "PointMass", "RigidBody", "WorldPoint"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Point:
         Place in the element, 0 to 1.
     node : int or None
         Number of the node, if the point is one.
+    local : tuple of float or None
+        Place from the centre of mass in the axes of a rigid body [m].
     """
 
     identity: str
@@ -39,6 +42,7 @@ class Point:
     element: int
     xi: float
     node: int | None = None
+    local: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         _check.text(self.body, "body")
@@ -46,8 +50,13 @@ class Point:
         _check.number(self.xi, "xi", at_least=0, at_most=1)
         if self.node is not None:
             _check.count(self.node, "node", at_least=0)
+        if self.local is not None:
+            x, y, z = (float(c) for c in _check.vector(self.local, "local"))
+            object.__setattr__(self, "local", (x, y, z))
 
     def __str__(self) -> str:
+        if self.local is not None:
+            return f"{self.body} at " + "({:.6g}, {:.6g}, {:.6g})".format(*self.local)
         place = f"node {self.node}" if self.node is not None else f"element {self.element} at {self.xi:.6g}"
         return f"{self.body}, {place}"
 
@@ -172,6 +181,35 @@ class PointMass(Handle):
     def center(self) -> Point:
         """The point where the mass sits."""
         return self._center
+
+
+class RigidBody(Handle):
+    """A rigid body of a model.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> model = pl.Model()
+    >>> brick = model.add_rigid_body(density=2000.0, shape=pl.Box((0.2, 0.1, 0.05)))
+    >>> print(brick.at((0.1, 0, 0)))
+    rigid_body1 at (0.1, 0, 0)
+    """
+
+    @property
+    def center(self) -> Point:
+        """The centre of mass."""
+        return self.at((0.0, 0.0, 0.0))
+
+    def at(self, local_point: ArrayLike) -> Point:
+        """Point at a place in the body's axes.
+
+        Parameters
+        ----------
+        local_point : array_like, shape (3,)
+            Place from the centre of mass [m].
+        """
+        x, y, z = (float(c) for c in _check.vector(local_point, "local_point"))
+        return Point(self.identity, self.name, 0, 0.0, local=(x, y, z))
 
 
 def require_handle(value: object, name: str, identity: str) -> None:

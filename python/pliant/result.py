@@ -11,29 +11,56 @@ import numpy as np
 
 from pliant import _check
 from pliant._lower import BodyState, Lowered
-from pliant.bodies import GAUSS_5, LineBody, hermite
+from pliant.bodies import GAUSS_5, LineBody, MassBody, hermite
 from pliant.errors import ModelError, translated
+from pliant.joints import Hinge
 from pliant.loads import Force, LineLoad
-from pliant.points import Handle, Joint, Point, PointMass, WorldPoint, require_handle
+from pliant.points import Handle, Joint, Point, PointMass, RigidBody, WorldPoint, require_handle
+from pliant.rigid import RigidBodyData
 from pliant.signals import scaled
-from pliant.typing import ArrayLike, FloatArray, IntArray
+from pliant.typing import ArrayLike, FloatArray, IntArray, Json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from scipy.spatial.transform import Rotation
 
     from pliant._core import System
     from pliant.model import Model
 
-__all__ = ["Energy", "Reaction", "Result", "State", "Statistics", "Strain", "Track"]
+__all__ = ["Energy", "JointMotion", "Reaction", "Result", "State", "Statistics", "Strain", "Track"]
 
 
 @dataclass(frozen=True)
 class Track:
-    """Motion of a point: position [m], velocity [m/s] and acceleration [m/s^2], each (n, 3)."""
+    """Motion of a point: position [m], velocity [m/s] and acceleration [m/s^2], each (n, 3).
+
+    Attributes
+    ----------
+    axes : (n, 3, 3) or None
+        Axes of the rigid body that holds the point, one a row.
+    """
 
     position: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
+    axes: FloatArray | None = None
+
+    @property
+    def orientation(self) -> Rotation:
+        """Orientation of a rigid body, n Rotations from body axes to the world."""
+        if self.axes is None:
+            raise AttributeError("orientation: only points of rigid bodies have one")
+        from scipy.spatial.transform import Rotation
+
+        return Rotation.from_matrix(np.swapaxes(self.axes, 1, 2))
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """Freedom of a joint: angle [rad], unwrapped, or way [m], and its rate, each (n,)."""
+
+    position: FloatArray
+    velocity: FloatArray
 
 
 @dataclass(frozen=True)
@@ -158,7 +185,7 @@ class Result:
         """Velocities of the nodes of a body [m/s], shape (n, nodes, 3)."""
         return self._nodes(body, self._records.v)
 
-    def track(self, point: Point | PointMass) -> Track:
+    def track(self, point: Point | PointMass | RigidBody) -> Track:
         """Motion of a material point, interpolated in its element.
 
         Parameters
@@ -169,11 +196,40 @@ class Result:
         Returns
         -------
         Track
-            ``position``, ``velocity``, ``acceleration``, each (n, 3).
+            ``position``, ``velocity``, ``acceleration``, each (n, 3); ``orientation`` on rigid bodies.
         """
         at = self.model._point(point, "point")
         records = self._records
-        return Track(*(self._at(at, rows) for rows in (records.q, records.v, records.a)))
+        axes = None
+        if at.local is not None:
+            offsets = self._offsets(at.body)[1:] + np.arange(3)
+            axes = np.ascontiguousarray(records.q[:, offsets])
+        return Track(*(self._at(at, rows) for rows in (records.q, records.v, records.a)), axes)
+
+    def joint(self, joint: Joint) -> JointMotion:
+        """Motion of a joint along its freedom: the angle of a hinge, the way of a slider.
+
+        Parameters
+        ----------
+        joint : Joint
+            Handle that ``hinge`` or ``slider`` returned.
+
+        Returns
+        -------
+        JointMotion
+            ``position`` (zero at the model's start) and ``velocity`` of the first body against the second,
+            each (n,).
+        """
+        plan = self._plan_of(joint)
+        motion = None
+        if plan["kind"] == "multiplier":
+            with translated():
+                motion = self._system.joint_motion(plan["index"], self._records.q, self._records.v)
+        if motion is None:
+            _check.fail("joint", joint, "must be a hinge or a slider, whose freedom is one number")
+        if isinstance(self.model._joints[joint.name], Hinge):
+            motion[:, 0] = np.unwrap(motion[:, 0])
+        return JointMotion(*np.ascontiguousarray(motion.T))
 
     def state(self, i: int) -> State:
         """State at output ``i`` (negative numbers count from the end): a start for another run."""
@@ -181,7 +237,7 @@ class Result:
         i = _check.count(i, "i", at_least=-n, at_most=n - 1)
         records = self._records
         bodies = {}
-        for name in [*self._lowered.cables, *self._lowered.shared]:
+        for name in [*self._lowered.cables, *self._lowered.shared, *self._lowered.rigid]:
             offsets = self._offsets(name)
             rows = [
                 vector[offsets[:, [column]] + np.arange(3)] if column < offsets.shape[1] else np.zeros((1, 3))
@@ -201,7 +257,7 @@ class Result:
         Parameters
         ----------
         joint : Joint
-            Handle that ``pin`` or ``clamp`` returned.
+            Handle that ``pin``, ``hinge`` or another joint returned.
 
         Returns
         -------
@@ -209,12 +265,7 @@ class Result:
             ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Of pins
             that close a loop of pins at one place, the last carries nothing.
         """
-        if not isinstance(joint, Joint):
-            _check.fail("joint", joint, "must be a joint of the model")
-        require_handle(joint, "joint", self.model.identity)
-        if joint.name not in self._lowered.plan:
-            _check.fail("joint", joint, "the model that was run has no such joint")
-        plan = self._lowered.plan[joint.name]
+        plan = self._plan_of(joint)
         records = self._records
         zero = np.zeros((len(self.time), 3))
         if plan["kind"] == "redundant":
@@ -224,6 +275,16 @@ class Result:
                 force, moment = self._system.reaction(plan["index"], records.time, records.q, records.lambda_)
             return Reaction(force, moment)
         return Reaction(self._shared_force(plan), zero)
+
+    def _plan_of(self, joint: object) -> Json:
+        """Tell how a joint is realised."""
+        if not isinstance(joint, Joint):
+            _check.fail("joint", joint, "must be a joint of the model")
+        require_handle(joint, "joint", self.model.identity)
+        if joint.name not in self._lowered.plan:
+            _check.fail("joint", joint, "the model that was run has no such joint")
+        plan: Json = self._lowered.plan[joint.name]
+        return plan
 
     def _shared_force(self, plan: dict[str, Any]) -> FloatArray:
         """Force of a pin that shares coordinates: what its first side needs beyond what else acts there."""
@@ -239,7 +300,7 @@ class Result:
                 )
         for name in plan["masses"]:
             mass = self.model._bodies[name]
-            assert not isinstance(mass, LineBody)
+            assert isinstance(mass, MassBody)
             assert mass.at is not None
             total += mass.mass * (self._at(mass.at, records.a) - gravity)
         for name, sign in plan["joints"]:
@@ -409,10 +470,13 @@ class Result:
         return data, name
 
     def _offsets(self, name: str) -> IntArray:
-        """Offsets in q of strand nodes, (n, 2); of a free mass (1, 1)."""
+        """Offsets in q: of strand nodes (n, 2), a free mass (1, 1), the vectors of a rigid body (4, 1)."""
         if name not in self._known_offsets:
             if name in self._lowered.cables:
                 self._known_offsets[name] = self._system.cable_offsets(self._lowered.cables[name])
+            elif name in self._lowered.rigid:
+                first = self._system.rigid_offsets()[self._lowered.rigid[name]]
+                self._known_offsets[name] = first + 3 * np.arange(4)[:, None]
             else:
                 self._known_offsets[name] = self._system.shared_offsets()[self._lowered.shared[name]].reshape(
                     1, 1
@@ -424,6 +488,8 @@ class Result:
         data = self.model._bodies[name]
         if isinstance(data, LineBody):
             offsets = self._offsets(name)[data.first, 0]
+        elif isinstance(data, RigidBodyData):
+            offsets = self._offsets(name)[:1, 0]
         elif data.at is not None:
             return self._at(data.at, rows)[:, None]
         else:
@@ -433,6 +499,10 @@ class Result:
     def _at(self, point: Point | WorldPoint, rows: FloatArray) -> FloatArray:
         assert isinstance(point, Point)
         data = self.model._bodies[point.body]
+        if isinstance(data, RigidBodyData):
+            vectors = rows[:, self._offsets(point.body) + np.arange(3)]
+            place: FloatArray = np.einsum("i,nik->nk", data.weights(point), vectors)
+            return place
         if not isinstance(data, LineBody):
             return np.ascontiguousarray(self._nodes(point.body, rows)[:, 0])
         offsets = self._offsets(point.body)[:, :, None] + np.arange(3)
@@ -465,6 +535,8 @@ def require_state(start: object, name: str, model: Model) -> State:
             key: (body.kind, body.nodes, tuple(body.strands))
             if isinstance(body, LineBody)
             else ("mass", body.at)
+            if isinstance(body, MassBody)
+            else ("rigid", body.mass)
             for key, body in m._bodies.items()
         }
         for m in (model, start.model)

@@ -362,6 +362,10 @@ def _start_vectors(
     shared = system.shared_offsets()
     for name, body in state.bodies.items():
         moving = fresh[name] if state.static else body
+        if name in lowered.rigid:
+            index = system.rigid_offsets()[lowered.rigid[name]] + np.arange(12)
+            q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
+            continue
         columns: list[tuple[int, FloatArray, FloatArray]] = [(0, body.r, moving.v_r)]
         if name in lowered.cables:
             offsets = system.cable_offsets(lowered.cables[name])

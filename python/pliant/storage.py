@@ -55,17 +55,19 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
     texts = {
         "model": json.dumps(result.model.to_document(keep_functions=False)),
         "lowered/spec": lowered.spec,
-        "lowered/map": json.dumps({"cables": lowered.cables, "shared": lowered.shared, "plan": lowered.plan}),
+        "lowered/map": json.dumps(
+            {"cables": lowered.cables, "shared": lowered.shared, "rigid": lowered.rigid, "plan": lowered.plan}
+        ),
         "statistics": json.dumps(dataclasses.asdict(result.statistics)),
     }
     arrays: dict[str, Any] = {f"lowered/arrays/{k}": a for k, a in enumerate(lowered.arrays)}
     for field in dataclasses.fields(records):
         arrays[f"records/{field.name.rstrip('_')}"] = getattr(records, field.name)
-    for name in [*lowered.cables, *lowered.shared]:
+    for name in [*lowered.cables, *lowered.shared, *lowered.rigid]:
         body = result.model._bodies[name]
         offsets = result._offsets(name)[:, 0]
         arrays[f"offsets/{quote(name, safe='').replace('.', '%2E')}"] = (
-            offsets[body.first] if isinstance(body, LineBody) else offsets
+            offsets[body.first] if isinstance(body, LineBody) else offsets[:1]
         )
     with atomic(path) as temporary, h5py.File(temporary, "w") as file:
         for name, text in texts.items():
@@ -111,6 +113,7 @@ def load(path: str | os.PathLike[str]) -> Result:
                 arrays=[file[f"lowered/arrays/{k}"][()] for k in range(len(file.get("lowered/arrays", ())))],
                 cables=mapping["cables"],
                 shared=mapping["shared"],
+                rigid=mapping.get("rigid", {}),
                 plan=mapping["plan"],
             )
             records = Records(

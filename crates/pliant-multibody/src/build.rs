@@ -3,22 +3,24 @@
 use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
-use crate::joints::Joint;
-use crate::joints::clamp::Clamp;
-use crate::joints::pin::Pin;
+use crate::joints::product::Products;
+use crate::joints::rigidity::rigidity;
+use crate::joints::side::{Frame, Side};
+use crate::joints::{Joint, of_spec};
 use crate::loads::Load;
-use crate::loads::force::{DeadForce, FollowerForce};
+use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
 use crate::loads::line::LineLoad;
-use crate::loads::moment::Moment;
+use crate::loads::moment::{BodyMoment, Moment};
 use crate::model::{Mass, Model, PlacedBlock, PlacedJoint, PlacedLoad, StrandPlace};
 use crate::point::{Interpolation, Support};
+use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{
-    BendingSpec, CableSpec, IntegrationSpec, JointSpec, LoadSpec, ModelSpec, PointSpec, StrainSpec,
+    BendingSpec, CableSpec, IntegrationSpec, LoadSpec, ModelSpec, StrainSpec,
     VERSION,
 };
 use crate::vector::vector;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use pliant_dae::structure::{self, Storage, Structure};
 use pliant_elements::{
     Bending, Block, Cable, CableBlock, CableElement, CableLaw, ElementError, Integration,
@@ -49,14 +51,18 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     }
     let mut map = DofMap::new(spec, arrays, points.len() / 3)?;
     let (initial_q, initial_v) = initial(spec, arrays, &map, points)?;
-    let multipliers = spec.joints.iter().map(joint_equations).sum();
+    let joints = draft_joints(spec, &map, &initial_q)?;
+    let multipliers = joints.iter().map(|(_, joint)| joint.count()).sum();
     let mut structure = Structure::new(map.coordinates, multipliers);
     map.add_groups(&mut structure);
     let (blocks, strands) = blocks(spec, arrays, &map, &mut structure)?;
-    let length = model_length(&map, &initial_q);
+    let length = model_length(spec, &map, &initial_q);
     let mut scale = vec![length; map.coordinates];
     for node in map.cables.iter().flat_map(|c| &c.nodes) {
         scale[node.t as usize..node.t as usize + 3].fill(1.0);
+    }
+    for &first in &map.rigid {
+        scale[first + 3..first + 12].fill(1.0);
     }
     let mut builder = Builder { map: &map, structure: &mut structure, q: &initial_q };
     let masses = builder.masses(spec)?;
@@ -66,7 +72,8 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .zip(&map.cables)
         .map(|(cable, cable_map)| cable_mass(cable, arrays, &cable_map.lengths))
         .collect::<Result<_, _>>()?;
-    let (joints, constraint_scale) = builder.joints(spec, length)?;
+    let rigid_bodies = builder.rigid_bodies(spec)?;
+    let (joints, constraint_scale) = builder.joints(joints, length);
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
     Ok(Model {
         map,
@@ -74,6 +81,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         strands,
         cable_masses,
         masses,
+        rigid_bodies,
         joints,
         loads,
         gravity: spec.gravity,
@@ -121,17 +129,75 @@ fn initial(
             v[offset..offset + 3].copy_from_slice(&row(velocities, i));
         }
     }
+    for (body, &first) in spec.rigid_bodies.iter().zip(&map.rigid) {
+        let omega = vector(body.angular_velocity);
+        q[first..first + 3].copy_from_slice(&body.position);
+        v[first..first + 3].copy_from_slice(&body.velocity);
+        for (k, &axis) in body.axes.iter().enumerate() {
+            let at = first + 3 * (k + 1);
+            q[at..at + 3].copy_from_slice(&axis);
+            v[at..at + 3].copy_from_slice(omega.cross(&vector(axis)).as_slice());
+        }
+    }
+    let finite = |x: &f64| x.is_finite();
+    if let Some(&value) = q.iter().chain(&v).find(|&x| !finite(x)) {
+        return Err(ModelError::Value {
+            place: "initial state".to_owned(),
+            value,
+            allowed: "finite numbers",
+        });
+    }
     Ok((q, v))
 }
 
+/// The joints of a document, then the rigidity of each rigid body, over all coordinates.
+fn draft_joints(
+    spec: &ModelSpec,
+    map: &DofMap,
+    q: &[f64],
+) -> Result<Vec<(String, Products)>, ModelError> {
+    let mut drafts = Vec::with_capacity(spec.joints.len() + map.rigid.len());
+    for joint in &spec.joints {
+        let (name, a, b) = joint.points();
+        let place = format!("joint '{name}'");
+        let refuse = |reason| ModelError::Unsupported { place: place.clone(), reason };
+        let (r, frame) = map.point(a, &place)?;
+        let here = r.at(q);
+        let a = Side { r, frame, first: true, q };
+        let (r, frame) = match b {
+            Some(b) => map.point(b, &place)?,
+            None => (Interpolation::fixed(here), Frame::World),
+        };
+        let b = Side { r, frame, first: false, q };
+        if a.r.terms.is_empty() && b.r.terms.is_empty() {
+            return Err(refuse("both its points are fixed in the world"));
+        }
+        let draft = of_spec(joint, &a, &b);
+        let draft = draft.ok_or_else(|| refuse("its points do not have the directions it needs"))?;
+        drafts.push((name.to_owned(), draft));
+    }
+    for (k, name) in map.rigid_names.iter().enumerate() {
+        drafts.push((format!("rigidity of '{name}'"), rigidity(&map.axes(k))));
+    }
+    Ok(drafts)
+}
+
 /// Diagonal of the box around all positions: the size by which increments are judged.
-fn model_length(map: &DofMap, q: &[f64]) -> f64 {
+fn model_length(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> f64 {
     let nodes = map.cables.iter().flat_map(|c| c.nodes.iter().map(|n| n.r as usize));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for offset in nodes.chain(map.shared.iter().copied()) {
         for k in 0..3 {
             low[k] = low[k].min(q[offset + k]);
             high[k] = high[k].max(q[offset + k]);
+        }
+    }
+    for (body, &first) in spec.rigid_bodies.iter().zip(&map.rigid) {
+        let trace: f64 = (0..3).map(|k| body.inertia[k][k]).sum();
+        let gyration = (0.5 * trace / body.mass).max(0.0).sqrt();
+        for k in 0..3 {
+            low[k] = low[k].min(q[first + k] - gyration);
+            high[k] = high[k].max(q[first + k] + gyration);
         }
     }
     let diagonal = (vector(high) - vector(low)).norm();
@@ -352,13 +418,6 @@ fn nearest(samples: &[f64], points: &[f64], e: usize, xi: f64) -> f64 {
     samples[e * points.len() + best]
 }
 
-fn joint_equations(joint: &JointSpec) -> usize {
-    match joint {
-        JointSpec::Pin { .. } => 3,
-        JointSpec::Clamp { .. } => 5,
-    }
-}
-
 /// Masses, joints and loads over the nodes of a map.
 struct Builder<'a> {
     map: &'a DofMap,
@@ -372,19 +431,6 @@ impl Builder<'_> {
         let groups = self.map.groups_of(offsets);
         let unknowns = groups.iter().flat_map(|&g| self.structure.groups()[g].clone()).collect();
         Support { groups, unknowns }
-    }
-
-    /// Position and tangent of a point that must lie on a cable.
-    fn cable_point(
-        &self,
-        point: &PointSpec,
-        place: &str,
-        reason: &'static str,
-    ) -> Result<(Interpolation, Interpolation), ModelError> {
-        match self.map.point(point, place)? {
-            (r, Some(t)) => Ok((r, t)),
-            _ => Err(ModelError::Unsupported { place: place.to_owned(), reason }),
-        }
     }
 
     fn masses(&mut self, spec: &ModelSpec) -> Result<Vec<Mass>, ModelError> {
@@ -410,15 +456,17 @@ impl Builder<'_> {
         Ok(masses)
     }
 
+    /// Gives each joint its multipliers and its element matrix.
     fn joints(
         &mut self,
-        spec: &ModelSpec,
+        drafts: Vec<(String, Products)>,
         length: f64,
-    ) -> Result<(Vec<PlacedJoint>, Vec<f64>), ModelError> {
-        let mut joints = Vec::with_capacity(spec.joints.len());
+    ) -> (Vec<PlacedJoint>, Vec<f64>) {
+        let mut joints = Vec::with_capacity(drafts.len());
         let mut scale = Vec::new();
-        for joint in &spec.joints {
-            let (name, joint) = self.joint(joint)?;
+        for (name, draft) in drafts {
+            let support = self.support(draft.interpolations());
+            let joint = draft.placed(support);
             let (first, m) = (scale.len(), joint.equations());
             scale.resize(first + m, 0.0);
             joint.scale(length, &mut scale[first..]);
@@ -426,38 +474,33 @@ impl Builder<'_> {
             let mut groups = joint.support().groups.clone();
             groups.push(self.structure.add_group(unknowns..unknowns + m));
             let element = self.structure.add_element(&groups, Storage::Symmetric);
-            joints.push(PlacedJoint { name, joint, first, element });
+            joints.push(PlacedJoint { name, joint: Box::new(joint), first, element });
         }
-        Ok((joints, scale))
+        (joints, scale)
     }
 
-    fn joint(&self, joint: &JointSpec) -> Result<(String, Box<dyn Joint>), ModelError> {
-        match joint {
-            JointSpec::Pin { name, a, b } => {
-                let place = format!("joint '{name}'");
-                let (r_a, _) = self.map.point(a, &place)?;
-                let (r_b, _) = self.map.point(b, &place)?;
-                let support = self.support([&r_a, &r_b]);
-                if support.groups.is_empty() {
-                    let reason = "both its points are fixed in the world";
-                    return Err(ModelError::Unsupported { place, reason });
-                }
-                Ok((name.clone(), Box::new(Pin::new(&r_a, &r_b, support))))
+    fn rigid_bodies(&mut self, spec: &ModelSpec) -> Result<Vec<RigidBody>, ModelError> {
+        let mut bodies = Vec::with_capacity(spec.rigid_bodies.len());
+        for (body, &first) in spec.rigid_bodies.iter().zip(&self.map.rigid) {
+            let value = |value, allowed| ModelError::Value {
+                place: format!("rigid body '{}'", body.name),
+                value,
+                allowed,
+            };
+            if !(body.mass > 0.0 && body.mass.is_finite()) {
+                return Err(value(body.mass, "masses above zero"));
             }
-            JointSpec::Clamp { name, a, direction } => {
-                let place = format!("joint '{name}'");
-                let reason = "a clamp needs a point of a cable, which has a tangent";
-                let (r, t) = self.cable_point(a, &place, reason)?;
-                let direction = match direction {
-                    Some(direction) => vector(*direction),
-                    None => vector(t.at(self.q)),
-                };
-                let direction = unit(direction, &place)?;
-                let support = self.support([&r, &t]);
-                let position = r.at(self.q);
-                Ok((name.clone(), Box::new(Clamp::new(&r, &t, position, direction, support))))
+            let euler = RigidBody::euler_tensor(&Matrix3::from(body.inertia).transpose());
+            // Rounding of a flat body's inertia may leave its Euler tensor slightly below zero.
+            let least = euler.symmetric_eigenvalues().min();
+            if !(least >= -1e-9 * euler.norm() && euler.trace() > 0.0 && euler.norm().is_finite()) {
+                return Err(value(least, "inertias that satisfy the triangle inequality"));
             }
+            let groups = self.map.groups_of([first]);
+            let element = self.structure.add_element(&groups, Storage::Symmetric);
+            bodies.push(RigidBody { mass: body.mass, euler, first, element });
         }
+        Ok(bodies)
     }
 
     fn load(&mut self, load: &LoadSpec) -> Result<PlacedLoad, ModelError> {
@@ -465,22 +508,42 @@ impl Builder<'_> {
             LoadSpec::Force { name, at, value, follower } => {
                 let place = format!("load '{name}'");
                 let value = Value::new(value, &place)?;
-                if *follower {
-                    let reason = "a follower force needs a point of a cable, which has a tangent";
-                    let (r, t) = self.cable_point(at, &place, reason)?;
-                    let t_0 = unit(vector(t.at(self.q)), &place)?;
-                    let support = self.support([&r, &t]);
-                    (Box::new(FollowerForce::new(r, t, t_0, support)), value)
-                } else {
-                    (Box::new(DeadForce { r: self.map.point(at, &place)?.0 }), value)
-                }
+                let force: Box<dyn Load> = match (follower, self.map.point(at, &place)?) {
+                    (false, (r, _)) => Box::new(DeadForce { r }),
+                    (true, (r, Frame::Line(t))) => {
+                        let t_0 = unit(vector(t.at(self.q)), &place)?;
+                        let support = self.support([&r, &t]);
+                        Box::new(FollowerForce::new(r, t, t_0, support))
+                    }
+                    (true, (r, Frame::Body(e))) => {
+                        let support = self.support([&r, &e[0]]);
+                        let start = e.each_ref().map(|e| vector(e.at(self.q)));
+                        Box::new(BodyForce::new(r, e, start, support))
+                    }
+                    _ => {
+                        let reason = "a follower force needs a point that has a direction";
+                        return Err(ModelError::Unsupported { place, reason });
+                    }
+                };
+                (force, value)
             }
             LoadSpec::Moment { name, at, value } => {
                 let place = format!("load '{name}'");
-                let reason = "a moment needs a point of a cable, which has a tangent";
-                let (_, t) = self.cable_point(at, &place, reason)?;
-                let support = self.support([&t]);
-                (Box::new(Moment::new(t, support)), Value::new(value, &place)?)
+                let value = Value::new(value, &place)?;
+                match self.map.point(at, &place)?.1 {
+                    Frame::Line(t) => {
+                        let support = self.support([&t]);
+                        (Box::new(Moment::new(t, support)), value)
+                    }
+                    Frame::Body(e) => {
+                        let support = self.support([&e[0]]);
+                        (Box::new(BodyMoment::new(e, support)), value)
+                    }
+                    _ => {
+                        let reason = "a moment needs a point of a cable or of a rigid body";
+                        return Err(ModelError::Unsupported { place, reason });
+                    }
+                }
             }
             LoadSpec::Line { name, cable, value } => {
                 let place = format!("load '{name}'");

@@ -1,10 +1,11 @@
 //! Where every node stands in the coordinates.
 //!
 //! Cables come first, node by node: position and slope (6), or the slope alone (3) where the position is a shared
-//! point's; the shared points follow (3 each). Multipliers are numbered after all coordinates, joint by joint.
+//! point's; the shared points follow (3 each), then the rigid bodies: centre and axes (12). Multipliers are numbered after all coordinates, joint by joint.
 
 use crate::document::Arrays;
 use crate::error::ModelError;
+use crate::joints::side::Frame;
 use crate::point::Interpolation;
 use crate::spec::{CableSpec, ModelSpec, PointSpec};
 use pliant_dae::structure::Structure;
@@ -72,6 +73,10 @@ pub struct DofMap {
     pub cables: Vec<CableMap>,
     /// Offsets of the shared points.
     pub shared: Vec<usize>,
+    /// Names of the rigid bodies.
+    pub rigid_names: Vec<String>,
+    /// Offsets of the centres of the rigid bodies; the axes follow.
+    pub rigid: Vec<usize>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Number of the group of each coordinate, as entered by [`Self::add_groups`].
@@ -135,8 +140,12 @@ impl DofMap {
                 }
             }
         }
-        let coordinates = next + 3 * shared;
-        Ok(Self { cables, shared: offsets, coordinates, group: Vec::new() })
+        let rigid_names: Vec<String> =
+            spec.rigid_bodies.iter().map(|body| body.name.clone()).collect();
+        let first = next + 3 * shared;
+        let rigid: Vec<usize> = (0..rigid_names.len()).map(|k| first + 12 * k).collect();
+        let coordinates = first + 12 * rigid.len();
+        Ok(Self { cables, shared: offsets, rigid_names, rigid, coordinates, group: Vec::new() })
     }
 
     /// Enters the groups of unknowns of all nodes and shared points.
@@ -155,6 +164,9 @@ impl DofMap {
         for &p in &self.shared {
             add(p..p + 3, &mut self.group);
         }
+        for &p in &self.rigid {
+            add(p..p + 12, &mut self.group);
+        }
     }
 
     /// Groups of the given coordinates' offsets, each once, in order of appearance.
@@ -170,7 +182,14 @@ impl DofMap {
         groups
     }
 
-    /// Position of a point and, on cables, its tangent.
+    /// The axes of a rigid body.
+    #[must_use]
+    pub fn axes(&self, body: usize) -> [Interpolation; 3] {
+        let first = self.rigid[body];
+        [3, 6, 9].map(|k| Interpolation::weighted([(first + k, 1.0)]))
+    }
+
+    /// Position of a point and what turns there.
     ///
     /// # Errors
     /// [`ModelError`] naming `place` where the point does not exist.
@@ -178,7 +197,7 @@ impl DofMap {
         &self,
         point: &PointSpec,
         place: &str,
-    ) -> Result<(Interpolation, Option<Interpolation>), ModelError> {
+    ) -> Result<(Interpolation, Frame), ModelError> {
         let reference = |kind, index, count| ModelError::Reference {
             place: place.to_owned(),
             kind,
@@ -186,14 +205,22 @@ impl DofMap {
             count,
         };
         match *point {
-            PointSpec::World { world } => Ok((Interpolation::fixed(world), None)),
+            PointSpec::World { world } => Ok((Interpolation::fixed(world), Frame::World)),
             PointSpec::Shared { shared } => {
                 let count = self.shared.len();
                 let offset = self
                     .shared
                     .get(shared)
                     .ok_or_else(|| reference("shared point", shared, count))?;
-                Ok((Interpolation::weighted([(*offset, 1.0)]), None))
+                Ok((Interpolation::weighted([(*offset, 1.0)]), Frame::Point))
+            }
+            PointSpec::Rigid { rigid, local } => {
+                let count = self.rigid.len();
+                let first =
+                    *self.rigid.get(rigid).ok_or_else(|| reference("rigid body", rigid, count))?;
+                let terms = [0, 1, 2].map(|k| (first + 3 + 3 * k, local[k]));
+                let terms = std::iter::once((first, 1.0)).chain(terms);
+                Ok((Interpolation::weighted(terms), Frame::Body(self.axes(rigid))))
             }
             PointSpec::Cable { cable, element, xi } => {
                 let count = self.cables.len();
@@ -208,7 +235,7 @@ impl DofMap {
                         allowed: "xi from 0 to 1",
                     });
                 }
-                Ok((map.position(element, xi), Some(map.tangent(element, xi))))
+                Ok((map.position(element, xi), Frame::Line(map.tangent(element, xi))))
             }
         }
     }
@@ -226,6 +253,16 @@ impl DofMap {
                     }
                 }
             }
+        }
+        if let Some(k) = self.rigid.iter().rposition(|&first| first <= coordinate) {
+            let (place, c) = (coordinate - self.rigid[k], component(self.rigid[k]));
+            return match place / 3 {
+                0 => format!("rigid body '{}', position {c}", self.rigid_names[k]),
+                axis => {
+                    let c = ["x", "y", "z"][place % 3];
+                    format!("rigid body '{}', axis {axis}, component {c}", self.rigid_names[k])
+                }
+            };
         }
         match self.shared.iter().position(|&p| (p..p + 3).contains(&coordinate)) {
             Some(p) => format!("point {p}, position {}", component(self.shared[p])),

@@ -9,6 +9,7 @@ pub mod loads;
 pub mod model;
 mod output;
 pub mod point;
+pub mod rigid;
 pub mod run;
 pub mod signal;
 pub mod solve;

@@ -5,6 +5,7 @@ use crate::error::ModelError;
 use crate::joints::Joint;
 use crate::loads::Load;
 use crate::point::{Interpolation, Support};
+use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::ModelSpec;
 use pliant_dae::error::Error;
@@ -62,6 +63,7 @@ pub struct Model {
     /// Mass of each cable [kg].
     pub(crate) cable_masses: Vec<f64>,
     pub(crate) masses: Vec<Mass>,
+    pub(crate) rigid_bodies: Vec<RigidBody>,
     pub(crate) joints: Vec<PlacedJoint>,
     pub(crate) loads: Vec<PlacedLoad>,
     pub(crate) gravity: [f64; 3],
@@ -120,7 +122,7 @@ impl Model {
         &self.map
     }
 
-    /// First multiplier and number of multipliers of each joint.
+    /// First multiplier and number of multipliers of each joint; the rigidity of rigid bodies comes last.
     #[must_use]
     pub fn joint_multipliers(&self) -> Vec<[usize; 2]> {
         self.joints.iter().map(|j| [j.first, j.joint.equations()]).collect()

@@ -18,6 +18,10 @@ impl Model {
             energy[0] += 0.5 * mass.mass * vector(mass.r.rate(v)).norm_squared();
             energy[2] -= mass.mass * vector(mass.r.at(q)).dot(&vector(self.gravity));
         }
+        for body in &self.rigid_bodies {
+            energy[0] += body.kinetic_energy(v);
+            energy[2] += body.gravitational_energy(q, self.gravity);
+        }
         energy
     }
 
@@ -35,6 +39,11 @@ impl Model {
             linear += p;
             angular += vector(mass.r.at(q)).cross(&p);
         }
+        for body in &self.rigid_bodies {
+            let (p, l) = body.momentum(q, v);
+            linear += p;
+            angular += l;
+        }
         (linear.into(), angular.into())
     }
 
@@ -49,6 +58,10 @@ impl Model {
         for mass in &self.masses {
             total += mass.mass;
             moment += vector(mass.r.at(q)) * mass.mass;
+        }
+        for body in &self.rigid_bodies {
+            total += body.mass;
+            moment += body.first_moment(q);
         }
         (total, moment.into())
     }
@@ -105,6 +118,14 @@ impl Model {
         let x: Vec<f64> = placed.joint.support().unknowns.iter().map(|&u| q[u]).collect();
         let m = placed.joint.equations();
         placed.joint.reaction(t, &x, &lambda_[placed.first..placed.first + m])
+    }
+
+    /// The freedom of a joint and its rate (angle or way), if it leaves a single one.
+    #[must_use]
+    pub fn joint_motion(&self, joint: usize, q: &[f64], v: &[f64]) -> Option<[f64; 2]> {
+        let joint = &self.joints[joint].joint;
+        let local = |x: &[f64]| joint.support().unknowns.iter().map(|&u| x[u]).collect::<Vec<_>>();
+        joint.motion(&local(q), &local(v))
     }
 
     /// Force [N] that everything else exerts on a node of a cable: what its own elements' inertia, weight and

@@ -35,12 +35,35 @@ pub struct ModelSpec {
     pub shared_velocities: Array,
     /// Cables and nets of cables.
     pub cables: Vec<CableSpec>,
+    /// Rigid bodies.
+    #[serde(default)]
+    pub rigid_bodies: Vec<RigidBodySpec>,
     /// Lumped masses.
     pub masses: Vec<MassSpec>,
     /// Joints.
     pub joints: Vec<JointSpec>,
     /// Loads.
     pub loads: Vec<LoadSpec>,
+}
+
+/// A rigid body: the position of its centre of mass and three axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RigidBodySpec {
+    /// Name of the body.
+    pub name: String,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Inertia about the centre of mass in body axes, row by row [kg m^2].
+    pub inertia: [[f64; 3]; 3],
+    /// Centre of mass at the start [m].
+    pub position: [f64; 3],
+    /// Body axes at the start, one a row.
+    pub axes: [[f64; 3]; 3],
+    /// Velocity of the centre of mass at the start [m/s].
+    pub velocity: [f64; 3],
+    /// Angular velocity at the start, in world axes [rad/s].
+    pub angular_velocity: [f64; 3],
 }
 
 /// Strands of one law; nodes and elements of all strands one after the other. Strand k with n_k elements has
@@ -140,6 +163,13 @@ pub enum PointSpec {
         /// Place in the element, 0 to 1.
         xi: f64,
     },
+    /// Point of a rigid body.
+    Rigid {
+        /// Number of the body.
+        rigid: usize,
+        /// Place from the centre of mass in body axes [m].
+        local: [f64; 3],
+    },
     /// A shared point.
     Shared {
         /// Its number.
@@ -177,7 +207,8 @@ pub enum JointSpec {
         /// Second point.
         b: PointSpec,
     },
-    /// A point of a cable keeps its position and the direction of its tangent (5 equations; the stretch is free).
+    /// A point of a cable keeps its position and the direction of its tangent (5 equations; the stretch is free), a
+    /// rigid body its place (6).
     Clamp {
         /// Name.
         name: String,
@@ -186,6 +217,89 @@ pub enum JointSpec {
         /// Direction of the tangent; none: that at the start.
         direction: Option<[f64; 3]>,
     },
+    /// Two bodies move as one (6 equations, 5 where one is a cable).
+    Weld {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+    },
+    /// Two bodies share a point and an axis (5 equations).
+    Hinge {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+        /// Axis at the start.
+        axis: [f64; 3],
+    },
+    /// Two bodies slide along an axis without turning (5 equations).
+    Slider {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+        /// Axis at the start.
+        axis: [f64; 3],
+    },
+    /// Two bodies slide along an axis and turn about it (4 equations).
+    Cylindrical {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+        /// Axis at the start.
+        axis: [f64; 3],
+    },
+    /// Two bodies share a point, an axis of each stays normal to that of the other (4 equations).
+    Universal {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+        /// Axis of the first at the start.
+        axis_a: [f64; 3],
+        /// Axis of the second at the start.
+        axis_b: [f64; 3],
+    },
+    /// Two points stay a length apart (1 equation).
+    Distance {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+        /// The length [m].
+        length: f64,
+    },
+}
+
+impl JointSpec {
+    /// Name and points; a clamp's second is where its first starts.
+    #[must_use]
+    pub fn points(&self) -> (&str, &PointSpec, Option<&PointSpec>) {
+        match self {
+            Self::Clamp { name, a, .. } => (name, a, None),
+            Self::Pin { name, a, b }
+            | Self::Weld { name, a, b }
+            | Self::Hinge { name, a, b, .. }
+            | Self::Slider { name, a, b, .. }
+            | Self::Cylindrical { name, a, b, .. }
+            | Self::Universal { name, a, b, .. }
+            | Self::Distance { name, a, b, .. } => (name, a, Some(b)),
+        }
+    }
 }
 
 /// A load.
@@ -200,10 +314,10 @@ pub enum LoadSpec {
         at: PointSpec,
         /// Three components.
         value: Signal,
-        /// Turns with the tangent, in the plane of the starting tangent and the starting force.
+        /// Turns with the tangent, in the plane of the starting tangent and the starting force, or with the body.
         follower: bool,
     },
-    /// A moment at a point of a cable [N m].
+    /// A moment at a point of a cable or on a rigid body [N m].
     Moment {
         /// Name.
         name: String,

@@ -172,6 +172,20 @@ impl System {
         }
     }
 
+    fn rigid_tangents(&self, weight: f64, values: &mut [f64]) {
+        for body in &self.model.rigid_bodies {
+            let slot = self.model.structure.slot(body.element);
+            for i in 0..12 {
+                for j in 0..=i {
+                    let same = f64::from(u8::from(i % 3 == j % 3));
+                    let number = entry_number(12, i, j, Storage::Symmetric);
+                    values[slot.base + number * slot.stride] =
+                        weight * same * body.weight(i / 3, j / 3);
+                }
+            }
+        }
+    }
+
     fn joint_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
         let Scratch { x, jacobian, hessian, .. } = &mut self.scratch;
         for joint in &self.model.joints {
@@ -264,6 +278,9 @@ impl Problem for System {
             let f = [0, 1, 2].map(|k| mass.mass * (a[k] - gravity[k]));
             mass.r.add_force(f, force);
         }
+        for body in &self.model.rigid_bodies {
+            body.add_residual(at.a, gravity, force);
+        }
         self.load_forces(at.t, at.q, -1.0, force);
         let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
         self.each_joint(at.q, |joint, x, equations| {
@@ -284,6 +301,7 @@ impl Problem for System {
     fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
         self.block_tangents(at, weights, values);
         self.mass_tangents(weights.mass, values);
+        self.rigid_tangents(weights.mass, values);
         self.joint_tangents(at, weights, values);
         self.load_tangents(at, weights.stiffness, values);
     }

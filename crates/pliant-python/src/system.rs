@@ -65,6 +65,16 @@ impl PySystem {
     }
 }
 
+impl PySystem {
+    fn check_joint(&self, joint: usize) -> PyResult<()> {
+        let count = self.model.joint_multipliers().len();
+        if joint < count {
+            return Ok(());
+        }
+        Err(PyModelError::new_err(format!("there is no joint number {joint} (there are {count})")))
+    }
+}
+
 #[pymethods]
 impl PySystem {
     #[new]
@@ -114,6 +124,10 @@ impl PySystem {
 
     fn shared_offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         PyArray1::from_iter(py, self.model.map().shared.iter().map(|&o| o as i64))
+    }
+
+    fn rigid_offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.model.map().rigid.iter().map(|&o| o as i64))
     }
 
     fn joint_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
@@ -274,12 +288,7 @@ impl PySystem {
         let (q, n) = rows(&q, "q", self.model.coordinates())?;
         let (lambda_, _) = rows(&lambda_, "lambda_", self.model.multipliers())?;
         let time = row(&time, "time", n)?;
-        let count = self.model.joint_multipliers().len();
-        if joint >= count {
-            return Err(PyModelError::new_err(format!(
-                "there is no joint number {joint} (there are {count})"
-            )));
-        }
+        self.check_joint(joint)?;
         let (nq, nl) = (self.model.coordinates(), self.model.multipliers());
         let (mut forces, mut moments) = (Vec::new(), Vec::new());
         for ((t, q), lambda_) in time.iter().zip(q.chunks_exact(nq)).zip(lambda_.chunks_exact(nl)) {
@@ -288,6 +297,24 @@ impl PySystem {
             moments.extend(moment);
         }
         Ok((table(py, forces, 3)?, table(py, moments, 3)?))
+    }
+
+    fn joint_motion<'py>(
+        &self,
+        py: Python<'py>,
+        joint: usize,
+        q: Rows<'py>,
+        v: Rows<'py>,
+    ) -> PyResult<Option<Table<'py>>> {
+        self.check_joint(joint)?;
+        let (q, v) = (self.states(&q)?, self.states(&v)?);
+        let n = self.model.coordinates().max(1);
+        let motion: Option<Vec<[f64; 2]>> = q
+            .chunks_exact(n)
+            .zip(v.chunks_exact(n))
+            .map(|(q, v)| self.model.joint_motion(joint, q, v))
+            .collect();
+        motion.map(|rows| table(py, rows.into_flattened(), 2)).transpose()
     }
 
     fn nodal_force<'py>(

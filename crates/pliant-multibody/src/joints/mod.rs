@@ -1,9 +1,40 @@
 //! Joints: constraints `phi(q, t) = 0` between material points. One file a joint; this is their registry.
 
 pub mod clamp;
+pub mod cylindrical;
+pub mod distance;
+pub mod hinge;
 pub mod pin;
+pub mod product;
+pub mod rigidity;
+pub mod side;
+pub mod slider;
+pub mod universal;
+pub mod weld;
 
 use crate::point::Support;
+use crate::spec::JointSpec;
+use nalgebra::Vector3;
+use product::Products;
+use side::Side;
+
+/// The joint of a document between its sides; none where a side has no direction that the joint needs.
+#[must_use]
+pub fn of_spec(joint: &JointSpec, a: &Side<'_>, b: &Side<'_>) -> Option<Products> {
+    let unit = |axis: &[f64; 3]| Vector3::from(*axis).try_normalize(0.0);
+    match joint {
+        JointSpec::Pin { .. } => Some(pin::pin(a, b)),
+        JointSpec::Clamp { direction, .. } => clamp::clamp(a, b, direction.map(Vector3::from)),
+        JointSpec::Weld { .. } => weld::weld(a, b),
+        JointSpec::Hinge { axis, .. } => hinge::hinge(a, b, unit(axis)?),
+        JointSpec::Slider { axis, .. } => slider::slider(a, b, unit(axis)?),
+        JointSpec::Cylindrical { axis, .. } => cylindrical::cylindrical(a, b, unit(axis)?),
+        JointSpec::Universal { axis_a, axis_b, .. } => {
+            universal::universal(a, b, unit(axis_a)?, unit(axis_b)?)
+        }
+        JointSpec::Distance { length, .. } => Some(distance::distance(a, b, *length)),
+    }
+}
 
 /// One joint. Coordinates reach it as its local vector `x`, the unknowns of its [`Support`].
 pub trait Joint: Send + Sync {
@@ -47,4 +78,10 @@ pub trait Joint: Send + Sync {
 
     /// Force [N] and moment [N m] that the joint exerts on its first body, about the joint's point.
     fn reaction(&self, t: f64, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]);
+
+    /// The joint's freedom and its rate, where it leaves a single one that is a number.
+    fn motion(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {
+        let _ = (x, v);
+        None
+    }
 }

@@ -1,4 +1,4 @@
-//! A force at a point: fixed in space, or following the tangent of a line.
+//! A force at a point: fixed in space, or following the tangent of a line or a rigid body.
 
 use super::Load;
 use crate::point::{Interpolation, Support};
@@ -55,6 +55,7 @@ impl Load for FollowerForce {
 
     fn jacobian(&self, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
         // d(t/|t|)/dt = I/|t| - t t^T/|t|^3
+        out.fill(0.0);
         let t = vector(self.t.at(q));
         let l = t.norm();
         let k = self.matrix(value) * (Matrix3::identity() / l - t * t.transpose() / l.powi(3));
@@ -62,7 +63,50 @@ impl Load for FollowerForce {
     }
 }
 
-/// `out = sum_ij w_i w_j k` over the terms of two interpolations: the Jacobian of a force at `r` that depends on `t`.
+/// A force that turns with a rigid body: `F = sum_i (e_i0.p) e_i`, p the given force and e_i0 the axes at the start.
+#[derive(Clone, Debug)]
+pub struct BodyForce {
+    r: Interpolation,
+    e: [Interpolation; 3],
+    start: [Vector3<f64>; 3],
+    support: Support,
+}
+
+impl BodyForce {
+    /// A force at `r` that turns with the axes `e`, which start along `start`.
+    #[must_use]
+    pub fn new(
+        r: Interpolation,
+        e: [Interpolation; 3],
+        start: [Vector3<f64>; 3],
+        support: Support,
+    ) -> Self {
+        Self { r, e, start, support }
+    }
+}
+
+impl Load for BodyForce {
+    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+        for (e, start) in self.e.iter().zip(&self.start) {
+            let f = vector(e.at(q)) * (factor * start.dot(&vector(value)));
+            self.r.add_force(f.into(), force);
+        }
+    }
+
+    fn support(&self) -> Option<&Support> {
+        Some(&self.support)
+    }
+
+    fn jacobian(&self, value: [f64; 3], _q: &[f64], factor: f64, out: &mut [f64]) {
+        out.fill(0.0);
+        for (e, start) in self.e.iter().zip(&self.start) {
+            let k = Matrix3::from_diagonal_element(factor * start.dot(&vector(value)));
+            add_outer(&self.support, &self.r, e, &k, out);
+        }
+    }
+}
+
+/// `out += sum_ij w_i w_j k` over the terms of two interpolations: the Jacobian of a force at `r` that depends on `t`.
 pub(super) fn add_outer(
     support: &Support,
     r: &Interpolation,
@@ -70,7 +114,6 @@ pub(super) fn add_outer(
     k: &Matrix3<f64>,
     out: &mut [f64],
 ) {
-    out.fill(0.0);
     let n = support.unknowns.len();
     let (r, t) = (support.localize(r), support.localize(t));
     for &(i, w_i) in &r.terms {

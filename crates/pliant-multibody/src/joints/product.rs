@@ -1,0 +1,224 @@
+//! The form that the joints share: every equation is `phi = factor u.w - constant`, u and w affine in the coordinates.
+//!
+//! A linear equation has a constant w. The Jacobian is `factor (w du/dq + u dw/dq)`; the Hessian
+//! `factor (du/dq^T dw/dq + dw/dq^T du/dq)` is constant. With it `phi_qq(v, v) = 2 factor u'.w'`, and the third
+//! derivative at zero jerk is `3 factor (u''.w' + u'.w'')`.
+
+use super::Joint;
+use crate::point::{Interpolation, Support};
+use crate::vector::vector;
+use nalgebra::Vector3;
+
+/// How a vector of a joint moves with the joint's first body: what the reaction is read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// From the second point to the first.
+    Gap,
+    /// Turns with the first body.
+    OfFirst,
+    /// Does neither.
+    Other,
+}
+
+/// A vector of a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm {
+    /// Its value.
+    pub value: Interpolation,
+    /// How it moves.
+    pub role: Role,
+}
+
+impl Arm {
+    /// A vector fixed in the world.
+    #[must_use]
+    pub fn fixed(value: [f64; 3]) -> Self {
+        Self { value: Interpolation::fixed(value), role: Role::Other }
+    }
+
+    fn at(&self, x: &[f64]) -> Vector3<f64> {
+        vector(self.value.at(x))
+    }
+
+    fn rate(&self, v: &[f64]) -> Vector3<f64> {
+        vector(self.value.rate(v))
+    }
+}
+
+/// One equation, `factor u.w - constant`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Product {
+    /// First vector.
+    pub u: Arm,
+    /// Second vector.
+    pub w: Arm,
+    /// Factor of their product.
+    pub factor: f64,
+    /// What the product must be.
+    pub constant: f64,
+}
+
+impl Product {
+    /// `u.w = 0`.
+    #[must_use]
+    pub fn orthogonal(u: Arm, w: Arm) -> Self {
+        Self { u, w, factor: 1.0, constant: 0.0 }
+    }
+}
+
+/// The freedom that a joint leaves, as a number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Freedom {
+    /// The angle of u in the plane (cosine, sine), times a sign.
+    Angle {
+        /// The vector that turns.
+        u: Arm,
+        /// Where the angle is zero.
+        cosine: Arm,
+        /// Where it is a right angle.
+        sine: Arm,
+        /// 1, or -1 where u belongs to the second body.
+        sign: f64,
+    },
+    /// The product u.w.
+    Length {
+        /// The gap.
+        u: Arm,
+        /// The direction.
+        w: Arm,
+    },
+}
+
+/// A joint made of products.
+#[derive(Clone, Debug, Default)]
+pub struct Products {
+    equations: Vec<Product>,
+    freedom: Option<Freedom>,
+    support: Support,
+}
+
+impl Products {
+    /// A joint over all coordinates.
+    #[must_use]
+    pub fn new(equations: Vec<Product>, freedom: Option<Freedom>) -> Self {
+        Self { equations, freedom, support: Support::default() }
+    }
+
+    /// Number of equations.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.equations.len()
+    }
+
+    /// Vectors that the equations are made of.
+    pub fn interpolations(&self) -> impl Iterator<Item = &Interpolation> {
+        self.equations.iter().flat_map(|p| [&p.u.value, &p.w.value])
+    }
+
+    /// The same joint over the coordinates of `support`.
+    #[must_use]
+    pub fn placed(self, support: Support) -> Self {
+        let local = |arm: Arm| Arm { value: support.localize(&arm.value), role: arm.role };
+        let equations = self
+            .equations
+            .into_iter()
+            .map(|p| Product { u: local(p.u), w: local(p.w), ..p })
+            .collect();
+        let freedom = self.freedom.map(|freedom| match freedom {
+            Freedom::Angle { u, cosine, sine, sign } => {
+                Freedom::Angle { u: local(u), cosine: local(cosine), sine: local(sine), sign }
+            }
+            Freedom::Length { u, w } => Freedom::Length { u: local(u), w: local(w) },
+        });
+        Self { equations, freedom, support }
+    }
+}
+
+impl Joint for Products {
+    fn equations(&self) -> usize {
+        self.equations.len()
+    }
+
+    fn support(&self) -> &Support {
+        &self.support
+    }
+
+    fn scale(&self, length: f64, out: &mut [f64]) {
+        for (out, p) in out.iter_mut().zip(&self.equations) {
+            *out = if p.u.role == Role::Gap { length } else { 1.0 };
+        }
+    }
+
+    fn residual(&self, _t: f64, x: &[f64], phi: &mut [f64]) {
+        for (phi, p) in phi.iter_mut().zip(&self.equations) {
+            *phi = p.factor * p.u.at(x).dot(&p.w.at(x)) - p.constant;
+        }
+    }
+
+    fn jacobian(&self, _t: f64, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (row, p) in out.chunks_exact_mut(x.len()).zip(&self.equations) {
+            p.w.value.add_force((p.u.at(x) * p.factor).into(), row);
+            p.u.value.add_force((p.w.at(x) * p.factor).into(), row);
+        }
+    }
+
+    fn add_hessian(&self, _t: f64, x: &[f64], lambda_: &[f64], stiffness: f64, out: &mut [f64]) {
+        let n = x.len();
+        for (lambda_, p) in lambda_.iter().zip(&self.equations) {
+            let h = stiffness * lambda_ * p.factor;
+            for &(i, u_i) in &p.u.value.terms {
+                for &(j, w_j) in &p.w.value.terms {
+                    for k in 0..3 {
+                        out[(i + k) * n + j + k] += h * u_i * w_j;
+                        out[(j + k) * n + i + k] += h * u_i * w_j;
+                    }
+                }
+            }
+        }
+    }
+
+    fn acceleration(&self, _t: f64, _x: &[f64], v: &[f64], out: &mut [f64]) {
+        for (out, p) in out.iter_mut().zip(&self.equations) {
+            *out = 2.0 * p.factor * p.u.rate(v).dot(&p.w.rate(v));
+        }
+    }
+
+    fn jerk(&self, _t: f64, _x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+        for (out, p) in out.iter_mut().zip(&self.equations) {
+            let mixed = p.u.rate(a).dot(&p.w.rate(v)) + p.u.rate(v).dot(&p.w.rate(a));
+            *out = 3.0 * p.factor * mixed;
+        }
+    }
+
+    fn reaction(&self, _t: f64, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]) {
+        // A vector u that turns with a body by d theta changes by d theta x u: a force f on it is the moment u x f.
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for (lambda_, p) in lambda_.iter().zip(&self.equations) {
+            let (u, w) = (p.u.at(x), p.w.at(x));
+            for (arm, on, by) in [(&p.u, u, w), (&p.w, w, u)] {
+                let f = by * (-lambda_ * p.factor);
+                match arm.role {
+                    Role::Gap => force += f,
+                    Role::OfFirst => moment += on.cross(&f),
+                    Role::Other => {}
+                }
+            }
+        }
+        (force.into(), moment.into())
+    }
+
+    fn motion(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {
+        let product = |u: &Arm, w: &Arm| {
+            let (value, against) = (u.at(x), w.at(x));
+            [value.dot(&against), u.rate(v).dot(&against) + value.dot(&w.rate(v))]
+        };
+        Some(match self.freedom.as_ref()? {
+            Freedom::Angle { u, cosine, sine, sign } => {
+                let ([c, dc], [s, ds]) = (product(u, cosine), product(u, sine));
+                [sign * s.atan2(c), sign * (c * ds - s * dc) / (c * c + s * s)]
+            }
+            Freedom::Length { u, w } => product(u, w),
+        })
+    }
+}

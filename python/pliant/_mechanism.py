@@ -1,0 +1,326 @@
+"""Rigid bodies and the joints between bodies, as methods of the model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pliant import _check
+from pliant._contents import Contents
+from pliant.bodies import MassBody
+from pliant.joints import Axis, Cylindrical, Distance, Hinge, Slider, Universal, Weld, axis_of
+from pliant.points import Joint, Point, RigidBody, WorldPoint
+from pliant.rigid import make_rigid_body
+from pliant.shapes import Shape
+from pliant.typing import ArrayLike
+
+__all__ = ["Mechanism"]
+
+PARALLEL = 1e-6  # sine of the angle below which directions count as parallel, as in the core
+
+
+class Mechanism(Contents):
+    """Rigid bodies and joints."""
+
+    def add_rigid_body(
+        self,
+        *,
+        mass: float | None = None,
+        inertia: ArrayLike | None = None,
+        density: float | None = None,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: Any = None,
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        shape: Shape | None = None,
+        name: str | None = None,
+    ) -> RigidBody:
+        """Add a rigid body.
+
+        Parameters
+        ----------
+        mass : float, optional
+            Mass [kg]; or give ``density`` and ``shape``.
+        inertia : array_like, shape (3,) or (3, 3), optional
+            About the centre of mass in body axes [kg m^2]: principal moments or the tensor. None: that of
+            ``shape``.
+        density : float, optional
+            Density [kg/m^3] of the shape.
+        position, velocity : array_like, shape (3,)
+            Of the centre of mass at the start [m], [m/s].
+        orientation : scipy.spatial.transform.Rotation, optional
+            Body axes to world; None: the axes of the world.
+        angular_velocity : array_like, shape (3,)
+            At the start, in world axes [rad/s].
+        shape : Sphere, Box, Cylinder or Capsule, optional
+            For the inertia, and for pictures.
+        name : str, optional
+            Name; else ``rigid_body1``, ...
+
+        Returns
+        -------
+        RigidBody
+            Handle with ``center`` and ``at(local_point)``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> plate = model.add_rigid_body(density=7850.0, shape=pl.Box((0.5, 0.3, 0.01)), position=(0, 0, 1))
+        >>> model.dof, model.constraints
+        (12, 6)
+        """
+        body = make_rigid_body(
+            self._new_name(name, "rigid_body"),
+            mass,
+            inertia,
+            density,
+            position,
+            orientation,
+            velocity,
+            angular_velocity,
+            shape,
+        )
+        self._bodies[body.name] = body
+        return RigidBody(body.name, self._identity)
+
+    def weld(self, a: Any, b: Any = None, *, name: str | None = None) -> Joint:
+        """Make two bodies move as one; a cable keeps the direction of its tangent, it has no twist.
+
+        Parameters
+        ----------
+        a : Point or RigidBody
+            First point.
+        b : Point, RigidBody or array_like, shape (3,), optional
+            Second point, at the same place; None: the world.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> brick = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)))
+        >>> rubber = pl.LinearElastic(youngs_modulus=1e7, poisson_ratio=0.45, density=1000.0)
+        >>> thin = pl.Circle(radius=5e-3)
+        >>> rope = model.add_cable([(0.1, 0, 0), (1, 0, 0)], elements=4, section=thin, material=rubber)
+        >>> model.weld(rope.start, brick.at((0.1, 0, 0))).name
+        'weld1'
+        """
+        first, second, here = self._pair(a, b, ("a", "b"), anywhere=True)
+        self._require_together(first, second, b, "b")
+        self._require_directions(first, second, a, b)
+        return self._add_joint(Weld(self._new_name(name, "weld"), first, second, here))
+
+    def hinge(
+        self, a: Any, b: Any = None, axis: ArrayLike = (0.0, 0.0, 1.0), *, name: str | None = None
+    ) -> Joint:
+        """Let two bodies turn about a common axis.
+
+        Parameters
+        ----------
+        a : Point or RigidBody
+            First point, on the axis.
+        b : Point, RigidBody or array_like, shape (3,), optional
+            Second point, at the same place; None: the world.
+        axis : array_like, shape (3,)
+            Axis at the start, in world axes. On a cable along its tangent, or normal to it: the tangent then
+            stays normal to the axis.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction`` and ``result.joint``, whose position is the angle of ``a`` against
+            ``b`` about the axis.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, -9.81, 0))
+        >>> arm = model.add_rigid_body(mass=1.0, shape=pl.Box((1.0, 0.1, 0.1)), position=(0.5, 0, 0))
+        >>> pivot = model.hinge(arm.at((-0.5, 0, 0)))
+        >>> result = pl.simulate(model, duration=0.1, step=1e-2)
+        >>> print(f"{result.joint(pivot).position[-1]:.3f}")
+        -0.073
+        """
+        first, second, here = self._pair(a, b, ("a", "b"))
+        self._require_together(first, second, b, "b")
+        unit = axis_of(axis, "axis")
+        self._require_directions(first, second, a, b)
+        for point in (first, second):
+            tangent = self._tangent(point)
+            if tangent is not None and abs(float(tangent @ unit)) > PARALLEL:
+                self._require_along(point, unit, "axis")
+        return self._add_joint(Hinge(self._new_name(name, "hinge"), first, second, here, unit))
+
+    def slider(
+        self, a: Any, b: Any = None, axis: ArrayLike = (1.0, 0.0, 0.0), *, name: str | None = None
+    ) -> Joint:
+        """Let two bodies slide along an axis without turning against each other.
+
+        Parameters
+        ----------
+        a : Point or RigidBody
+            First point.
+        b : Point, RigidBody or array_like, shape (3,), optional
+            Second point, at the same place; None: the world.
+        axis : array_like, shape (3,)
+            Axis at the start, in world axes; it turns with ``b``.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction`` and ``result.joint``, whose position is the way of ``a`` along the
+            axis.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> lift = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1))
+        >>> rail = model.slider(lift, axis=(0, 0, 1))
+        >>> result = pl.simulate(model, duration=1.0, step=1e-2)
+        >>> print(f"{result.joint(rail).position[-1]:.3f}")
+        -4.905
+        """
+        first, second, here = self._pair(a, b, ("a", "b"), anywhere=True)
+        self._require_together(first, second, b, "b")
+        unit = axis_of(axis, "axis")
+        self._require_directions(first, second, a, b)
+        return self._add_joint(Slider(self._new_name(name, "slider"), first, second, here, unit))
+
+    def cylindrical(
+        self, a: Any, b: Any = None, axis: ArrayLike = (0.0, 0.0, 1.0), *, name: str | None = None
+    ) -> Joint:
+        """Let two bodies slide along an axis and turn about it.
+
+        Parameters
+        ----------
+        a : Point or RigidBody
+            First point, on the axis.
+        b : Point, RigidBody or array_like, shape (3,), optional
+            Second point, at the same place; None: the world.
+        axis : array_like, shape (3,)
+            Axis at the start, in world axes; of a cable its tangent.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> ring = model.add_rigid_body(mass=1.0, shape=pl.Cylinder(0.1, 0.02), angular_velocity=(0, 0, 5))
+        >>> shaft = model.cylindrical(ring.center)
+        >>> model.constraints
+        10
+        """
+        first, second, here = self._pair(a, b, ("a", "b"))
+        self._require_together(first, second, b, "b")
+        unit = axis_of(axis, "axis")
+        self._require_directions(first, second, a, b)
+        for point in (first, second):
+            self._require_along(point, unit, "axis")
+        return self._add_joint(Cylindrical(self._new_name(name, "cylindrical"), first, second, here, unit))
+
+    def universal(
+        self, a: Any, b: Any, axis_a: ArrayLike, axis_b: ArrayLike, *, name: str | None = None
+    ) -> Joint:
+        """Join two bodies by a universal joint: an axis of each stays normal to that of the other.
+
+        Parameters
+        ----------
+        a : Point or RigidBody
+            First point.
+        b : Point, RigidBody, array_like of shape (3,) or None
+            Second point, at the same place; None: the world.
+        axis_a, axis_b : array_like, shape (3,)
+            Axes of ``a`` and of ``b`` at the start, in world axes, normal to each other; of a cable its
+            tangent.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> bob = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(0, 0, -1))
+        >>> cross = model.universal(bob.at((0, 0, 1)), None, (1, 0, 0), (0, 1, 0))
+        >>> model.constraints
+        10
+        """
+        first, second, here = self._pair(a, b, ("a", "b"))
+        self._require_together(first, second, b, "b")
+        units = axis_of(axis_a, "axis_a"), axis_of(axis_b, "axis_b")
+        if abs(float(np.dot(*units))) > 1e-9:
+            _check.fail("axis_b", axis_b, "must be normal to axis_a")
+        self._require_directions(first, second, a, b, lines=True)
+        self._require_along(first, units[0], "axis_a")
+        self._require_along(second, units[1], "axis_b")
+        return self._add_joint(Universal(self._new_name(name, "universal"), first, second, here, *units))
+
+    def distance(self, a: Any, b: Any, length: float | None = None, *, name: str | None = None) -> Joint:
+        """Keep two points a length apart: a massless rod.
+
+        Parameters
+        ----------
+        a : Point or RigidBody
+            First point; of a bare rigid body its centre.
+        b : Point, RigidBody or array_like, shape (3,)
+            Second point.
+        length : float, optional
+            The length [m]; None: that at the start.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> bob = model.add_point_mass(1.0, at=(1, 0, 0))
+        >>> rod = model.distance(bob, (0, 0, 0))
+        >>> model.dof, model.constraints
+        (3, 1)
+        """
+        first = self._point(a, "a")
+        second = self._other(b, "b")
+        at_start = float(np.linalg.norm(self._position(first) - self._position(second)))
+        if at_start <= 1e-9 * self._size():
+            _check.fail("b", b, "must be apart from a at the start; points that coincide take a pin")
+        if length is not None:
+            length = _check.number(length, "length", above=0)
+            if abs(length - at_start) > 1e-9 * self._size():
+                _check.fail("length", length, f"the points are {at_start:.9g} m apart at the start; move one")
+        return self._add_joint(Distance(self._new_name(name, "distance"), first, second, False, at_start))
+
+    def _require_directions(
+        self, a: Point, b: Point | WorldPoint, given_a: object, given_b: object, *, lines: bool = False
+    ) -> None:
+        """Refuse point masses, and two cables: at least one side carries all directions (``lines``: need not)."""
+        for point, given, argument in ((a, given_a, "a"), (b, given_b, "b")):
+            if isinstance(point, Point) and isinstance(self._bodies[point.body], MassBody):
+                _check.fail(argument, given, "a point mass has no directions; pin it, or take a rigid body")
+        if not lines and self._tangent(a) is not None and self._tangent(b) is not None:
+            _check.fail("b", given_b, "cables have no twist: one side must be a rigid body or the world")
+
+    def _require_along(self, point: Point | WorldPoint, axis: Axis, argument: str) -> None:
+        """Refuse an axis off the tangent of a cable, which has no other direction."""
+        tangent = self._tangent(point)
+        if tangent is not None and np.linalg.norm(np.cross(tangent, axis)) > PARALLEL:
+            _check.fail(
+                argument,
+                axis,
+                f"a cable has no direction but its tangent, here {np.round(tangent, 9).tolist()}",
+            )
