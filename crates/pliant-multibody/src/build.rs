@@ -16,8 +16,7 @@ use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{
-    BendingSpec, CableSpec, IntegrationSpec, LoadSpec, ModelSpec, StrainSpec,
-    VERSION,
+    BendingSpec, CableSpec, IntegrationSpec, LoadSpec, ModelSpec, StrainSpec, VERSION,
 };
 use crate::vector::vector;
 use nalgebra::{Matrix3, Vector3};
@@ -173,7 +172,8 @@ fn draft_joints(
             return Err(refuse("both its points are fixed in the world"));
         }
         let draft = of_spec(joint, &a, &b);
-        let draft = draft.ok_or_else(|| refuse("its points do not have the directions it needs"))?;
+        let draft =
+            draft.ok_or_else(|| refuse("its points do not have the directions it needs"))?;
         drafts.push((name.to_owned(), draft));
     }
     for (k, name) in map.rigid_names.iter().enumerate() {

@@ -12,17 +12,12 @@ use nalgebra::Vector3;
 
 /// Position and directions are fixed where `world` is; the tangent of a line along `direction`, or as at the start.
 #[must_use]
-pub fn clamp(
-    a: &Side<'_>,
-    world: &Side<'_>,
-    direction: Option<Vector3<f64>>,
-) -> Option<Products> {
+pub fn clamp(a: &Side<'_>, world: &Side<'_>, direction: Option<Vector3<f64>>) -> Option<Products> {
     let Frame::Line(t) = &a.frame else { return weld(a, world) };
     let along = direction.unwrap_or_else(|| vector(t.at(a.q))).try_normalize(0.0)?;
     let (n1, n2) = normals(along);
     let tangent = || Arm { value: t.clone(), role: Role::OfFirst };
     let mut equations = coincident(a, world);
-    equations
-        .extend([n1, n2].map(|n| Product::orthogonal(tangent(), Arm::fixed(n.into()))));
+    equations.extend([n1, n2].map(|n| Product::orthogonal(tangent(), Arm::fixed(n.into()))));
     Some(Products::new(equations, None))
 }

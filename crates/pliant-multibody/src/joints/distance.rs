@@ -9,11 +9,7 @@ use super::side::{Side, gap};
 /// Two points stay `length` apart.
 #[must_use]
 pub fn distance(a: &Side<'_>, b: &Side<'_>, length: f64) -> Products {
-    let equation = Product {
-        u: gap(a, b),
-        w: gap(a, b),
-        factor: 0.5 / length,
-        constant: 0.5 * length,
-    };
+    let equation =
+        Product { u: gap(a, b), w: gap(a, b), factor: 0.5 / length, constant: 0.5 * length };
     Products::new(vec![equation], None)
 }

@@ -112,8 +112,9 @@ pub fn locked(a: &Side<'_>, b: &Side<'_>) -> Option<Vec<Product>> {
         return parallel(a, b, tangent);
     }
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let equation =
-        |i: usize| Some(Product::orthogonal(a.direction(axes[i])?, b.direction(axes[(i + 1) % 3])?));
+    let equation = |i: usize| {
+        Some(Product::orthogonal(a.direction(axes[i])?, b.direction(axes[(i + 1) % 3])?))
+    };
     (0..3).map(equation).collect()
 }
 

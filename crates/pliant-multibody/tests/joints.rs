@@ -1,0 +1,208 @@
+//! Every joint: Jacobian, Hessian, acceleration and jerk against finite differences; action equals reaction.
+
+use nalgebra::Vector3;
+use pliant_multibody::joints::product::Products;
+use pliant_multibody::joints::rigidity::rigidity;
+use pliant_multibody::joints::side::{Frame, Side};
+use pliant_multibody::joints::{Joint, of_spec};
+use pliant_multibody::point::{Interpolation, Support};
+use pliant_multibody::spec::{JointSpec, PointSpec};
+
+/// Two rigid bodies (12 coordinates each) and a node of a line (6).
+const UNKNOWNS: usize = 30;
+
+/// Numbers between -1 and 1.
+fn noise(seed: usize) -> Vec<f64> {
+    (0..UNKNOWNS).map(|i| (1.7 * (i + 1) as f64 + 12.3 * seed as f64).sin()).collect()
+}
+
+/// Bodies turned against the world, and a line along y.
+fn start() -> Vec<f64> {
+    let mut q = noise(1);
+    for first in [3, 15] {
+        let turn = nalgebra::Rotation3::from_euler_angles(q[0], q[1] * first as f64, 0.3);
+        q[first..first + 9].copy_from_slice(turn.matrix().as_slice());
+    }
+    q[27..].copy_from_slice(&[0.0, 1.1, 0.0]);
+    q
+}
+
+fn vector_at(offset: usize) -> Interpolation {
+    Interpolation::weighted([(offset, 1.0)])
+}
+
+fn body(first: usize, local: [f64; 3]) -> (Interpolation, Frame) {
+    let terms = (0..3).map(|k| (first + 3 + 3 * k, local[k]));
+    let r = Interpolation::weighted(std::iter::once((first, 1.0)).chain(terms));
+    (r, Frame::Body([3, 6, 9].map(|k| vector_at(first + k))))
+}
+
+fn specs() -> Vec<JointSpec> {
+    let world = || PointSpec::World { world: [0.0; 3] };
+    let (name, a, b) = (String::new, world, world);
+    let axis = [0.0, 1.0, 0.0];
+    vec![
+        JointSpec::Pin { name: name(), a: a(), b: b() },
+        JointSpec::Clamp { name: name(), a: a(), direction: None },
+        JointSpec::Weld { name: name(), a: a(), b: b() },
+        JointSpec::Hinge { name: name(), a: a(), b: b(), axis },
+        JointSpec::Hinge { name: name(), a: a(), b: b(), axis: [0.6, 0.0, -0.8] },
+        JointSpec::Slider { name: name(), a: a(), b: b(), axis: [0.0, 0.6, 0.8] },
+        JointSpec::Cylindrical { name: name(), a: a(), b: b(), axis },
+        JointSpec::Universal {
+            name: name(),
+            a: a(),
+            b: b(),
+            axis_a: axis,
+            axis_b: [0.0, 0.0, 1.0],
+        },
+        JointSpec::Universal {
+            name: name(),
+            a: a(),
+            b: b(),
+            axis_a: [1.0, 0.0, 0.0],
+            axis_b: axis,
+        },
+        JointSpec::Distance { name: name(), a: a(), b: b(), length: 0.7 },
+    ]
+}
+
+/// Every joint between every two kinds of sides that can carry it, with a name.
+fn joints() -> Vec<(String, Products)> {
+    let q = start();
+    let kinds = || {
+        [
+            ("body", body(0, [0.3, -0.2, 0.5])),
+            ("other body", body(12, [-0.1, 0.4, 0.2])),
+            ("line", (vector_at(24), Frame::Line(vector_at(27)))),
+            ("point", (vector_at(24), Frame::Point)),
+            ("world", (Interpolation::fixed([0.2, 0.1, -0.4]), Frame::World)),
+        ]
+    };
+    let unknowns = || Support { groups: Vec::new(), unknowns: (0..UNKNOWNS).collect() };
+    let mut all = Vec::new();
+    for spec in specs() {
+        for (a_kind, (r, frame)) in kinds() {
+            let a = Side { r, frame, first: true, q: &q };
+            for (b_kind, (r, frame)) in kinds() {
+                let b = Side { r, frame, first: false, q: &q };
+                if a_kind != b_kind
+                    && let Some(joint) = of_spec(&spec, &a, &b)
+                {
+                    let name = format!("{spec:?} of {a_kind} and {b_kind}");
+                    all.push((name, joint.placed(unknowns())));
+                }
+            }
+        }
+    }
+    let axes = [3, 6, 9].map(vector_at);
+    all.push(("rigidity".to_owned(), rigidity(&axes).placed(unknowns())));
+    all
+}
+
+fn moved(q: &[f64], v: &[f64], t: f64) -> Vec<f64> {
+    q.iter().zip(v).map(|(q, v)| q + t * v).collect()
+}
+
+fn close(a: &[f64], b: &[f64], tolerance: f64, what: &str) {
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        assert!((a - b).abs() < tolerance, "{what}, entry {k}: {a} and {b}");
+    }
+}
+
+#[test]
+fn derivatives_agree_with_finite_differences() {
+    let all = joints();
+    // Every file of the folder is in the loop; three hold what the joints share.
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/joints");
+    let files = std::fs::read_dir(folder).unwrap().count() - 3;
+    let mut kinds: Vec<_> =
+        all.iter().map(|(n, _)| n.split(' ').next().unwrap().to_owned()).collect();
+    kinds.dedup();
+    assert_eq!(files, kinds.len(), "{kinds:?}");
+    let (q, v, a) = (noise(2), noise(3), noise(4));
+    for (name, joint) in all {
+        let m = joint.equations();
+        let phi = |q: &[f64]| {
+            let mut phi = vec![0.0; m];
+            joint.residual(0.0, q, &mut phi);
+            phi
+        };
+        let jacobian = |q: &[f64]| {
+            let mut out = vec![0.0; m * UNKNOWNS];
+            joint.jacobian(0.0, q, &mut out);
+            out
+        };
+        let times = |matrix: &[f64], v: &[f64]| -> Vec<f64> {
+            matrix.chunks(v.len()).map(|r| r.iter().zip(v).map(|(r, v)| r * v).sum()).collect()
+        };
+        // Quadratic constraints: central differences are exact but for rounding.
+        let h = 1e-3;
+        let difference = |plus: &[f64], minus: &[f64], by: f64| -> Vec<f64> {
+            plus.iter().zip(minus).map(|(p, m)| (p - m) / by).collect()
+        };
+        let slope = difference(&phi(&moved(&q, &v, h)), &phi(&moved(&q, &v, -h)), 2.0 * h);
+        close(&times(&jacobian(&q), &v), &slope, 1e-10, &format!("{name}: Jacobian"));
+        // (phi_q v)_q v
+        let turn = difference(&jacobian(&moved(&q, &v, h)), &jacobian(&moved(&q, &v, -h)), 2.0 * h);
+        let mut out = vec![0.0; m];
+        joint.acceleration(0.0, &q, &v, &mut out);
+        close(&out, &times(&turn, &v), 1e-10, &format!("{name}: acceleration"));
+        // 3 (phi_q v)_q a
+        joint.jerk(0.0, &q, &v, &a, &mut out);
+        let expected: Vec<f64> = times(&turn, &a).iter().map(|x| 3.0 * x).collect();
+        close(&out, &expected, 1e-10, &format!("{name}: jerk"));
+        // (phi_q^T lambda_)_q v
+        let lambda_: Vec<f64> = noise(5)[..m].to_vec();
+        let mut hessian = vec![0.0; UNKNOWNS * UNKNOWNS];
+        joint.add_hessian(0.0, &q, &lambda_, 2.0, &mut hessian);
+        let expected: Vec<f64> = (0..UNKNOWNS)
+            .map(|j| (0..m).map(|i| 2.0 * lambda_[i] * turn[i * UNKNOWNS + j]).sum())
+            .collect();
+        close(&times(&hessian, &v), &expected, 1e-10, &format!("{name}: Hessian"));
+    }
+}
+
+/// The reaction on the first body is the generalized force on its coordinates, and the two sides are in balance: about
+/// the joint's point the moments of all generalized forces cancel.
+#[test]
+fn action_equals_reaction() {
+    let q = start();
+    let a_point = body(0, [0.3, -0.2, 0.5]).0;
+    for (name, joint) in joints() {
+        if !name.contains("of body and other body") || name.contains("Distance") {
+            continue;
+        }
+        // Side b is moved so that the points coincide, as they do in a run.
+        let mut x = q.clone();
+        let b_point = body(12, [-0.1, 0.4, 0.2]).0;
+        let (ra, rb) = (a_point.at(&x), b_point.at(&x));
+        for k in 0..3 {
+            x[12 + k] += ra[k] - rb[k];
+        }
+        let m = joint.equations();
+        let lambda_ = noise(6)[..m].to_vec();
+        let mut jacobian = vec![0.0; m * UNKNOWNS];
+        joint.jacobian(0.0, &x, &mut jacobian);
+        let on = |first: usize| {
+            let vector = |i: usize, of: &dyn Fn(usize) -> f64| {
+                Vector3::from_fn(|k, _| of(first + 3 * i + k))
+            };
+            let f = |j: usize| -> f64 {
+                -(0..m).map(|i| lambda_[i] * jacobian[i * UNKNOWNS + j]).sum::<f64>()
+            };
+            let place = |j: usize| x[j];
+            let force = vector(0, &f);
+            let about_center: Vector3<f64> =
+                (1..4).map(|i| vector(i, &place).cross(&vector(i, &f))).sum();
+            let arm = vector(0, &place) - Vector3::from(ra);
+            (force, about_center + arm.cross(&force))
+        };
+        let ((force, moment), (other_force, other_moment)) = (on(0), on(12));
+        let reaction = joint.reaction(0.0, &x, &lambda_);
+        close(force.as_slice(), &reaction.0, 1e-12, &format!("{name}: force"));
+        close(moment.as_slice(), &reaction.1, 1e-12, &format!("{name}: moment"));
+        close((-other_force).as_slice(), &reaction.0, 1e-12, &format!("{name}: force on b"));
+        close((-other_moment).as_slice(), &reaction.1, 1e-12, &format!("{name}: moment on b"));
+    }
+}
