@@ -55,7 +55,7 @@ struct Factors {
     inverse: Vec<Block>,
     /// Rows of the forward factor.
     forward: Vec<Block>,
-    /// Columns of `W = D^-1 C`; empty in long symmetric arms, where reading them from memory takes longer than to
+    /// Columns of `W = D^-1 C`; empty in long symmetric arms, where another array in memory costs more than to
     /// multiply by the rows.
     outward: Vec<Block>,
     /// For each node and interface unknown, a row to gather the interface's share with.

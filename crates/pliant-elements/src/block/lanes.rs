@@ -17,7 +17,7 @@ type Rows = [[f64; WIDTH]; 6];
 /// Twelve rows over the elements of a chunk: forces on the first node, then on the second.
 type ForceRows = [[f64; WIDTH]; 12];
 
-/// Scratch of a residual: it is kept between calls, for clearing it costs as much as forty elements.
+/// Scratch of a residual: it is kept between calls, for clearing it costs as much as fifteen elements.
 #[derive(Clone, Debug)]
 pub(crate) struct ResidualRows {
     x: Rows,
