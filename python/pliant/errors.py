@@ -23,6 +23,7 @@ class ModelError(ValueError):
     """
 
     result: Result | None = None
+    _records: dict[str, Any] | None = None
 
 
 class FileError(OSError):
@@ -66,6 +67,7 @@ class ConvergenceError(RuntimeError):
         self.body = body
         self.node = node
         self.result = result
+        self._records: dict[str, Any] | None = None
 
     @classmethod
     def from_core(cls, message: str, facts: dict[str, Any]) -> ConvergenceError:
@@ -91,7 +93,11 @@ def translated() -> Iterator[None]:
     try:
         yield
     except _core.ModelError as error:
-        raise ModelError(str(error)) from None
+        wrong = ModelError(str(error))
+        wrong._records = getattr(error, "records", None)
+        raise wrong from None
     except _core.ConvergenceError as error:
         facts = error.args[1] if len(error.args) > 1 and isinstance(error.args[1], dict) else {}
-        raise ConvergenceError.from_core(str(error.args[0]), facts) from None
+        failure = ConvergenceError.from_core(str(error.args[0]), facts)
+        failure._records = getattr(error, "records", None)
+        raise failure from None
