@@ -23,7 +23,7 @@ class ModelError(ValueError):
     """
 
     result: Result | None = None
-    _records: dict[str, Any] | None = None
+    records: Any = None  # the core's, before they become the result
 
 
 class FileError(OSError):
@@ -67,7 +67,7 @@ class ConvergenceError(RuntimeError):
         self.body = body
         self.node = node
         self.result = result
-        self._records: dict[str, Any] | None = None
+        self.records: Any = None  # the core's, before they become the result
 
     @classmethod
     def from_core(cls, message: str, facts: dict[str, Any]) -> ConvergenceError:
@@ -94,10 +94,10 @@ def translated() -> Iterator[None]:
         yield
     except _core.ModelError as error:
         wrong = ModelError(str(error))
-        wrong._records = getattr(error, "records", None)
+        wrong.records = getattr(error, "records", None)
         raise wrong from None
     except _core.ConvergenceError as error:
         facts = error.args[1] if len(error.args) > 1 and isinstance(error.args[1], dict) else {}
         failure = ConvergenceError.from_core(str(error.args[0]), facts)
-        failure._records = getattr(error, "records", None)
+        failure.records = getattr(error, "records", None)
         raise failure from None

@@ -170,9 +170,9 @@ def solve_static(
     tolerance : float, optional
         Newton's tolerance, relative to the size of the model.
     stable : bool
-        Leave unstable equilibria (a rope straight under compression, a strut above its critical load) for stable
-        ones. False keeps whatever equilibrium comes first, with a warning where it is unstable. Under loads that
-        follow the motion stability is not tested.
+        Leave unstable equilibria (a rope straight under compression, a strut above its critical load) for
+        stable ones. False keeps whatever equilibrium comes first, with a warning where it is unstable. Under
+        loads that follow the motion stability is not tested.
     progress : bool, optional
         Show a progress bar; by default on a terminal.
 
@@ -206,7 +206,7 @@ def solve_static(
     inputs = _Inputs(lowered)
     reached = 0.0
 
-    def collect(raw: dict[str, Any]) -> Result:
+    def collect(raw: Any) -> Result:
         records = _records({key: value for key, value in raw.items() if key != "unstable"})
         return Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
 
@@ -219,7 +219,7 @@ def solve_static(
 
         try:
             with translated():
-                raw = system.solve_static(
+                raw: Any = system.solve_static(
                     load_steps=load_steps,
                     tolerance=tolerance,
                     stable=stable,
@@ -229,8 +229,8 @@ def solve_static(
                 )
         except (ConvergenceError, ModelError) as error:
             _name_node(error, model)
-            if error._records is not None and len(error._records["time"]):
-                error.result = collect(error._records)
+            if error.records is not None and len(error.records["time"]):
+                error.result = collect(error.records)
             raise
     if len(raw["unstable"]):
         factors = ", ".join(f"{factor:g}" for factor in raw["unstable"])

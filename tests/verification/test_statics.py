@@ -1,4 +1,4 @@
-"""Equilibria are stable: slack ropes hang, struts buckle, arches snap, and runs that start there stay at rest."""
+"""Equilibria are stable: slack ropes hang, struts buckle, arches snap; what starts there stays at rest."""
 
 import warnings
 
@@ -81,4 +81,38 @@ def test_a_strut_buckles_into_the_elastica(ratio, record):
     name = f"strut at {ratio:g} of the critical load"
     assert record(f"{name}, deflection", np.hypot(tip[1], tip[2]), deflection, 3e-5, unit="L")
     assert record(f"{name}, height", tip[0], length, 3e-5, unit="L")
+    assert rests(model, result) < 1e-14
+
+
+def test_an_arch_of_two_bars_snaps_to_a_stable_branch():
+    model = pl.Model()
+    bars = model.add_cable_net(
+        [(-1, 0, 0), (0, 0, 0.2), (1, 0, 0)], [(0, 1), (1, 2)], elements=1, **line(1e4, 1.0)
+    )
+    model.pin(bars.node(0)), model.pin(bars.node(2))
+    model.add_force(bars.node(1), (0, 0, -100.0))
+    result = pl.solve_static(model, load_steps=4)
+    assert np.all(result.track(bars.node(1)).position[:, 2] < -0.2)
+    assert pl.solve_modes(model, count=3, about=result).stable
+    assert rests(model, result) < 1e-14
+
+
+def test_a_net_of_cables_without_tension_hangs():
+    model = pl.Model(gravity=(0, 0, -9.81))
+    corners = [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)]
+    net = model.add_cable_net(
+        [(0, 0, 0), *corners],
+        [(0, i) for i in range(1, 5)],
+        elements=4,
+        tension_only=True,
+        **line(1e5, 1e-3, 0.1),
+    )
+    for i in range(1, 5):
+        model.pin(net.node(i))
+    result = pl.solve_static(model)
+    middle = result.track(net.node(0)).position[-1]
+    # Strings through the middle: stretch e = (s')^2/2 on average, w/2 = EA e s'; 2 cm by the order of magnitude.
+    assert -0.03 < middle[2] < -0.01
+    assert np.hypot(middle[0], middle[1]) < 1e-6
+    assert pl.solve_modes(model, count=3, about=result).stable
     assert rests(model, result) < 1e-14
