@@ -237,7 +237,7 @@ class Contents:
                 self._require_same_plane(one, other)
 
     def _tangent(self, point: Point | WorldPoint) -> FloatArray | None:
-        """Unit tangent at the start, on cables."""
+        """Return the unit tangent at the start, on cables."""
         body = self._bodies[point.body] if isinstance(point, Point) else None
         if not isinstance(body, LineBody) or not isinstance(point, Point):
             return None

@@ -53,7 +53,7 @@ class System:
     def rigid_offsets(self) -> IntArray:
         """Offsets in q of the centres of the rigid bodies, whose three axes follow, shape (bodies,)."""
     def joint_offsets(self) -> IntArray:
-        """First multiplier and number of multipliers of each joint and of each rigid body's rigidity, (k, 2)."""
+        """First multiplier and number of multipliers of each joint, then of each rigid body, (k, 2)."""
     def describe_solver(self) -> str: ...
     def masses(self) -> tuple[float, FloatArray]:
         """Total mass [kg] and first moment at the start, shape (3,) [kg m]."""
@@ -75,11 +75,15 @@ class System:
         *,
         load_steps: int = 1,
         tolerance: float | None = None,
+        stable: bool = True,
         q: FloatArray | None = None,
         inputs: Callable[[float], FloatArray] | None = None,
         poll: Callable[[float], None] | None = None,
     ) -> Records:
-        """Equilibria at the load factors reached, the last at 1. ``poll(load_factor)`` may raise to stop."""
+        """Equilibria at the load factors reached, the last at 1. ``poll(load_factor)`` may raise to stop.
+
+        Beside the records, ``unstable`` holds the load factors at which the equilibrium is unstable.
+        """
     def solve_modes(
         self,
         count: int,
@@ -100,7 +104,7 @@ class System:
     ) -> tuple[FloatArray, FloatArray]:
         """Force [N] and moment [N m] that the joint exerts on its first point, each (n, 3)."""
     def joint_motion(self, joint: int, q: FloatArray, v: FloatArray) -> FloatArray | None:
-        """Freedom of a joint and its rate, (n, 2): angle [rad] from -pi to pi, or way [m]; None where there is none."""
+        """Freedom of a joint and its rate, (n, 2): angle [rad] from -pi to pi, or way [m]; else None."""
     def nodal_force(
         self,
         cable: int,

@@ -52,8 +52,10 @@ Node = tuple[str, int]
 
 
 class BodyState(NamedTuple):
-    """Strand nodes of one body, each (n, 3); slopes are unused by a free mass (one row) and a rigid body (centre
-    and axes, four rows)."""
+    """Strand nodes of one body, each (n, 3).
+
+    A free mass has one row of positions, a rigid body four: its centre and its axes; both leave slopes unused.
+    """
 
     r: FloatArray
     t: FloatArray

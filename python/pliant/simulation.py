@@ -153,6 +153,7 @@ def solve_static(
     start: Result | State | None = None,
     load_steps: int = 1,
     tolerance: float | None = None,
+    stable: bool = True,
     progress: bool | None = None,
 ) -> Result:
     """Find the equilibrium of a model under its loads.
@@ -168,13 +169,18 @@ def solve_static(
         factor. Steps are cut when they fail.
     tolerance : float, optional
         Newton's tolerance, relative to the size of the model.
+    stable : bool
+        Leave unstable equilibria (a rope straight under compression, a strut above its critical load) for
+        stable ones. False keeps whatever equilibrium comes first, with a warning where it is unstable. Under
+        loads that follow the motion stability is not tested.
     progress : bool, optional
         Show a progress bar; by default on a terminal.
 
     Returns
     -------
     Result
-        Equilibria at the load factors ``result.load_factor``; the last is full load.
+        Equilibria at the load factors ``result.load_factor``; the last is full load. Where there is none,
+        ``ConvergenceError.result`` holds those reached before.
 
     Examples
     --------
@@ -191,6 +197,7 @@ def solve_static(
     model = _require_model(model)
     load_steps = _check.count(load_steps, "load_steps")
     tolerance = None if tolerance is None else _check.number(tolerance, "tolerance", above=0, below=1)
+    stable = _check.flag(stable, "stable")
     progress = None if progress is None else _check.flag(progress, "progress")
     state = None if start is None else require_state(start, "start", model)
     model = model.copy()
@@ -198,6 +205,11 @@ def solve_static(
     q, _ = _start_vectors(lowered, system, state, model)
     inputs = _Inputs(lowered)
     reached = 0.0
+
+    def collect(raw: Any) -> Result:
+        records = _records({key: value for key, value in raw.items() if key != "unstable"})
+        return Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
+
     with _progress_bar(progress, 100) as report, inputs.guarded():
 
         def poll(factor: float) -> None:
@@ -207,13 +219,23 @@ def solve_static(
 
         try:
             with translated():
-                records = system.solve_static(
-                    load_steps=load_steps, tolerance=tolerance, q=q, inputs=inputs.callback, poll=poll
+                raw: Any = system.solve_static(
+                    load_steps=load_steps,
+                    tolerance=tolerance,
+                    stable=stable,
+                    q=q,
+                    inputs=inputs.callback,
+                    poll=poll,
                 )
-        except ConvergenceError as error:
+        except (ConvergenceError, ModelError) as error:
             _name_node(error, model)
+            if error.records is not None and len(error.records["time"]):
+                error.result = collect(error.records)
             raise
-    return Result(model, lowered, _records(records), static=True, statistics=Statistics(), system=system)
+    if len(raw["unstable"]):
+        factors = ", ".join(f"{factor:g}" for factor in raw["unstable"])
+        warnings.warn(f"the equilibrium is unstable at load factor {factors}", stacklevel=2)
+    return collect(raw)
 
 
 @dataclass(frozen=True, eq=False)

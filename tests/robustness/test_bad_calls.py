@@ -33,12 +33,14 @@ def scenery() -> SimpleNamespace:
     stranger = other.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=section, material=rubber)
     kinds = {"elements": 4, "section": section, "material": rubber}
     line = [(0, 0, 0), (1, 0, 0)]
+    brick = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)), position=(2, 0, 0), name="brick")
     arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
     return SimpleNamespace(
         m=model,
         rope=rope,
         net=net,
         ball=ball,
+        brick=brick,
         stranger=stranger,
         k=kinds,
         line=line,
@@ -53,6 +55,10 @@ def cable(s: SimpleNamespace, points: Any = None, **changes: Any) -> Any:
 
 def net(s: SimpleNamespace, points: Any, edges: Any, **changes: Any) -> Any:
     return s.m.add_cable_net(points, edges, **{**s.k, **changes})
+
+
+def rigid(s: SimpleNamespace, **changes: Any) -> Any:
+    return s.m.add_rigid_body(**{"mass": 1.0, "shape": pl.Sphere(0.1), **changes})
 
 
 def elastic(**changes: Any) -> Any:
@@ -212,6 +218,51 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     # runs
     ("model", "3", lambda s: pl.simulate(3, duration=1.0, step=0.1)),
     ("model", "no bodies", lambda s: pl.simulate(pl.Model(), duration=1.0, step=0.1)),
+    # rigid bodies
+    ("size", "(1, 1)", lambda s: pl.Box(size=(1, 1))),
+    ("size[1]", "0", lambda s: pl.Box(size=(1, 0, 1))),
+    ("radius", "-2", lambda s: pl.Sphere(radius=-2)),
+    ("length", "nan", lambda s: pl.Cylinder(radius=1, length=NAN)),
+    ("length", "0", lambda s: pl.Capsule(radius=1, length=0)),
+    ("mass", "None", lambda s: s.m.add_rigid_body()),
+    ("mass", "-1", lambda s: rigid(s, mass=-1)),
+    ("mass", "True", lambda s: rigid(s, mass=True)),
+    ("density", "7850", lambda s: rigid(s, density=7850)),
+    ("density", "0", lambda s: s.m.add_rigid_body(density=0, shape=pl.Sphere(1))),
+    ("density", "1000", lambda s: s.m.add_rigid_body(density=1000)),
+    ("inertia", "None", lambda s: s.m.add_rigid_body(mass=1)),
+    ("inertia", "3", lambda s: rigid(s, inertia=(1, 1, 3))),
+    ("inertia", "-1", lambda s: rigid(s, inertia=(-1, 1, 1))),
+    ("inertia", "0", lambda s: rigid(s, inertia=(0, 0, 0))),
+    ("inertia", "(1, 1)", lambda s: rigid(s, inertia=(1, 1))),
+    ("inertia", "'round'", lambda s: rigid(s, inertia="round")),
+    ("inertia", "0.5", lambda s: rigid(s, inertia=[[1, 0.5, 0], [0, 1, 0], [0, 0, 1]])),
+    ("position", "inf", lambda s: rigid(s, position=(INF, 0, 0))),
+    ("orientation", "(1, 0, 0)", lambda s: rigid(s, orientation=(1, 0, 0))),
+    ("velocity", "'fast'", lambda s: rigid(s, velocity="fast")),
+    ("angular_velocity", "1.0", lambda s: rigid(s, angular_velocity=1.0)),
+    ("shape", "Circle", lambda s: rigid(s, shape=pl.Circle(1.0))),
+    ("name", "brick", lambda s: rigid(s, name="brick")),
+    ("local_point", "(1, 0)", lambda s: s.brick.at((1, 0))),
+    # joints
+    ("b", "1 m apart", lambda s: s.m.weld(s.rope.end, s.brick.center)),
+    ("b", "rope", lambda s: s.m.weld(s.rope.end, s.rope)),
+    ("a", "ball", lambda s: s.m.weld(s.ball)),
+    ("a", "rope", lambda s: s.m.weld(s.stranger.start)),
+    ("a", "(0, 0, 0)", lambda s: s.m.hinge((0, 0, 0))),
+    ("a", "brick", lambda s: s.m.hinge(s.brick)),
+    ("axis", "(0, 0, 0)", lambda s: s.m.hinge(s.brick.center, axis=(0, 0, 0))),
+    ("axis", "'z'", lambda s: s.m.hinge(s.brick.center, axis="z")),
+    ("axis", "tangent", lambda s: s.m.hinge(s.rope.end, axis=(1, 1, 0))),
+    ("axis", "nan", lambda s: s.m.slider(s.brick, axis=(NAN, 0, 1))),
+    ("axis", "tangent", lambda s: s.m.cylindrical(s.rope.end, axis=(0, 0, 1))),
+    ("axis_b", "normal", lambda s: s.m.universal(s.brick.center, None, (1, 0, 0), (1, 0, 0))),
+    ("axis_a", "tangent", lambda s: s.m.universal(s.rope.end, None, (0, 0, 1), (0, 1, 0))),
+    ("b", "pin", lambda s: s.m.distance(s.brick, (2, 0, 0))),
+    ("length", "3", lambda s: s.m.distance(s.brick, s.rope.end, length=3)),
+    ("length", "-1", lambda s: s.m.distance(s.brick, s.rope.end, length=-1)),
+    ("b", "(0, 1)", lambda s: s.m.distance(s.brick, (0, 1))),
+    ("point", "ball", lambda s: s.m.clamp(s.ball)),
     ("duration", "0", lambda s: run(s, duration=0)),
     ("duration", "inf", lambda s: run(s, duration=INF)),
     ("step", "-0.1", lambda s: run(s, step=-0.1)),
@@ -242,7 +293,7 @@ def test_bad_call(argument: str, value: str, call: Callable[[SimpleNamespace], A
 
 
 def test_the_catalogue_is_long_enough() -> None:
-    assert len(CATALOGUE) >= 60
+    assert len(CATALOGUE) >= 150
 
 
 def test_a_bad_call_leaves_the_model_as_it_was() -> None:
@@ -293,6 +344,7 @@ def _leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 def test_altered_model_documents_are_refused_or_valid(data: st.DataObject) -> None:
     s = scenery()
     s.m.pin(s.rope.start)
+    s.m.hinge(s.brick.at((0.1, 0, 0)), axis=(0, 1, 0))
     s.m.add_force(s.rope.end, (0, 0, 1) * pl.Ramp(1))
     document = json.loads(json.dumps(s.m.to_document()))
     path = data.draw(st.sampled_from(_leaves(document)))

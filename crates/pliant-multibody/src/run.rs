@@ -5,6 +5,7 @@ use crate::system::{Audit, Inputs, Mode, System};
 use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::{Integrator, Options, State};
 use pliant_dae::initial::Consistent;
+use pliant_dae::problem::EvaluationError;
 use pliant_dae::statistics::Statistics;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -47,6 +48,50 @@ pub struct Run {
     steps: u64,
     start: Consistent,
     records: Records,
+    balance: Balance,
+}
+
+/// Watches for energy from nowhere: a step that is too long for an undamped impact can gain without bound while
+/// Newton's iteration converges well.
+#[derive(Default)]
+struct Balance {
+    /// Mechanical energy less work at the start [J].
+    start: Option<f64>,
+    /// Elastic and gravitational energy at the start [J].
+    potential: [f64; 2],
+    /// Largest energy that was seen to change hands [J].
+    scale: f64,
+}
+
+/// Part of the energy in play that may come from nowhere; a useful run stays below a hundredth of it.
+const LARGEST_GAIN: f64 = 0.5;
+
+impl Balance {
+    /// Checks kinetic, elastic and gravitational energy and work: damping only takes.
+    fn check(&mut self, [kinetic, elastic, gravitational, work]: [f64; 4]) -> Result<(), String> {
+        let total = kinetic + elastic + gravitational - work;
+        let Some(start) = self.start else {
+            self.start = Some(total);
+            self.potential = [elastic, gravitational];
+            self.scale = kinetic;
+            return Ok(());
+        };
+        let [elastic_0, gravitational_0] = self.potential;
+        let rise = (gravitational - gravitational_0).abs();
+        let now = kinetic + elastic.max(elastic_0) + rise + work.abs();
+        let gain = total - start;
+        self.scale = self.scale.max(now);
+        // Rounding in large energies that cancel is no gain.
+        let floor = 1e-9 * (elastic_0.abs() + gravitational_0.abs());
+        if gain <= LARGEST_GAIN * self.scale + floor {
+            return Ok(());
+        }
+        Err(format!(
+            "{gain:.3e} J have come from nowhere, of {:.3e} J in play: the step does not resolve this motion; take a \
+             smaller step or spectral_radius, or give the material a retardation_time",
+            self.scale
+        ))
+    }
 }
 
 /// How a run is made.
@@ -92,14 +137,22 @@ impl Run {
             steps: 0,
             start,
             records: Records::default(),
+            balance: Balance::default(),
         };
-        run.record();
+        run.record()?;
         Ok(run)
     }
 
-    fn record(&mut self) {
+    fn record(&mut self) -> Result<(), Error> {
         let system = self.integrator.problem();
-        self.records.push(system.model(), self.integrator.state(), system.audit);
+        let state = self.integrator.state();
+        self.records.push(system.model(), state, system.audit);
+        let row = &self.records.energy[self.records.energy.len() - 5..];
+        let t = state.t;
+        self.balance.check([row[0], row[1], row[2], row[4]]).map_err(|message| Error::Evaluation {
+            t,
+            source: EvaluationError { message, recoverable: false },
+        })
     }
 
     /// Takes up to `steps` steps, records every `output_every`-th counted from the start, and stops after about
@@ -125,7 +178,7 @@ impl Run {
             };
             self.steps += 1;
             if self.steps.is_multiple_of(output_every.max(1)) {
-                self.record();
+                self.record()?;
             }
         }
         Ok(steps)
@@ -172,4 +225,34 @@ fn thread_pool(threads: usize, model: &Model) -> Option<rayon::ThreadPool> {
         return None;
     }
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energy_may_change_hands_but_not_come_from_nowhere() {
+        let mut balance = Balance::default();
+        // Ten joules fall, stretch and are spent; loads do work.
+        for [kinetic, elastic, gravitational, work] in [
+            [0.0, 0.0, 10.0, 0.0],
+            [9.0, 1.0, 0.0, 0.0],
+            [0.0, 10.1, 0.0, 0.0],
+            [2.0, 0.0, 0.0, 0.0],
+            [102.0, 0.0, 0.0, 100.0],
+            [0.0, 0.0, 0.0, -2.0],
+        ] {
+            balance.check([kinetic, elastic, gravitational, work]).unwrap();
+        }
+        let message = balance.check([500.0, 0.0, 0.0, 100.0]).unwrap_err();
+        assert!(message.contains("3.900e2 J have come from nowhere"), "{message}");
+    }
+
+    #[test]
+    fn equilibrium_under_great_stress_is_not_disturbed_by_rounding() {
+        let mut balance = Balance::default();
+        balance.check([0.0, 1e6, 1e6, 0.0]).unwrap();
+        balance.check([1e-9, 1e6, 1e6 + 1e-6, 0.0]).unwrap();
+    }
 }

@@ -27,6 +27,39 @@ struct Scratch {
     phi: Vec<f64>,
     jacobian: Vec<f64>,
     hessian: Vec<f64>,
+    /// Zeros.
+    rest: Vec<f64>,
+}
+
+/// Generalized forces at both ends of a step.
+#[derive(Default)]
+struct Forces {
+    before: Vec<f64>,
+    after: Vec<f64>,
+}
+
+impl Forces {
+    /// Mean of `forces` (added to a vector of zeros) at both ends, times the displacement between.
+    fn work(
+        &mut self,
+        before: Point<'_>,
+        after: Point<'_>,
+        mut forces: impl FnMut(Point<'_>, &mut [f64]),
+    ) -> f64 {
+        let n = before.q.len();
+        if self.before.is_empty() {
+            self.before.resize(n, 0.0);
+            forces(before, &mut self.before);
+        }
+        self.after.clear();
+        self.after.resize(n, 0.0);
+        forces(after, &mut self.after);
+        let mean = self.before.iter().zip(&self.after).map(|(b, a)| 0.5 * (b + a));
+        let moved = after.q.iter().zip(before.q).map(|(a, b)| a - b);
+        let work = mean.zip(moved).map(|(f, d)| f * d).sum();
+        std::mem::swap(&mut self.before, &mut self.after);
+        work
+    }
 }
 
 /// Integrals over the accepted steps.
@@ -50,10 +83,9 @@ pub struct System {
     input_time: Option<f64>,
     input_values: Vec<f64>,
     scratch: Scratch,
-    /// Generalized force of the loads, and power of damping, at the last accepted point.
-    load_before: Vec<f64>,
-    load_after: Vec<f64>,
-    power_before: Option<f64>,
+    /// Generalized forces of the loads and of damping, at the last accepted point and at the next.
+    loads: Forces,
+    damping: Forces,
 }
 
 impl System {
@@ -72,9 +104,8 @@ impl System {
             input_time: None,
             input_values: Vec::new(),
             scratch: Scratch::default(),
-            load_before: Vec::new(),
-            load_after: Vec::new(),
-            power_before: None,
+            loads: Forces::default(),
+            damping: Forces::default(),
         }
     }
 
@@ -122,6 +153,28 @@ impl System {
     fn gather(support: &Support, q: &[f64], x: &mut Vec<f64>) {
         x.clear();
         x.extend(support.unknowns.iter().map(|&u| q[u]));
+    }
+
+    /// What damping adds to the inner forces.
+    fn damping_forces(&mut self, q: &[f64], v: &[f64], force: &mut [f64]) {
+        let mut rest = std::mem::take(&mut self.scratch.rest);
+        rest.resize(v.len(), 0.0);
+        let blocks = self.model.blocks.iter().zip(&mut self.workspaces);
+        for (placed, workspace) in blocks.filter(|(placed, _)| placed.block.has_damping()) {
+            let mut add = |v: &[f64], force: &mut [f64]| {
+                let motion = Motion { q, v, a: &rest };
+                placed.block.residual(motion, [0.0; 3], workspace, force, self.parallel);
+            };
+            for f in force.iter_mut() {
+                *f = -*f;
+            }
+            add(&rest, force);
+            for f in force.iter_mut() {
+                *f = -*f;
+            }
+            add(v, force);
+        }
+        self.scratch.rest = rest;
     }
 
     /// Calls `work` with each joint, its local coordinates and its range of equations.
@@ -256,6 +309,11 @@ impl Problem for System {
         &self.model.constraint_scale
     }
 
+    /// Follower forces and moments have none.
+    fn has_potential(&self) -> bool {
+        self.model.loads.iter().all(|l| l.load.support().is_none())
+    }
+
     fn has_damping(&self) -> bool {
         self.model.blocks.iter().any(|b| b.block.has_damping())
     }
@@ -331,38 +389,25 @@ impl Problem for System {
         self.each_joint(q, |joint, x, equations| joint.joint.rate(t, x, &mut out[equations]));
     }
 
-    /// Work of loads and dissipation by the trapezoidal rule over the step, second order like the step itself.
+    /// Work of loads and dissipation: mean of the forces at both ends of the step times its displacement. Second
+    /// order, and exact also where damping brings a jump of velocity to rest within the step, whose power at the
+    /// ends says nothing about the time between.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
-        let h = after.t - before.t;
         if self.has_damping() {
-            let power = |at: Point<'_>| -> f64 {
-                self.model.blocks.iter().map(|b| b.block.dissipation(at.q, at.v)).sum()
-            };
-            let power_before = self.power_before.unwrap_or_else(|| power(before));
-            let power_after = power(after);
-            self.audit.dissipated += 0.5 * h * (power_before + power_after);
-            self.power_before = Some(power_after);
+            let mut forces = std::mem::take(&mut self.damping);
+            self.audit.dissipated +=
+                forces.work(before, after, |at, force| self.damping_forces(at.q, at.v, force));
+            self.damping = forces;
         }
         if !self.model.loads.is_empty() {
-            let mut load_before = std::mem::take(&mut self.load_before);
-            let mut load_after = std::mem::take(&mut self.load_after);
-            if load_before.is_empty() {
-                load_before.resize(before.q.len(), 0.0);
-                load_after.resize(before.q.len(), 0.0);
+            let mut forces = std::mem::take(&mut self.loads);
+            self.audit.work += forces.work(before, after, |at, force| {
                 // Inputs that fail here have failed in the step itself.
-                if self.refresh_inputs(before.t).is_ok() {
-                    self.load_forces(before.t, before.q, 1.0, &mut load_before);
+                if self.refresh_inputs(at.t).is_ok() {
+                    self.load_forces(at.t, at.q, 1.0, force);
                 }
-                let _ = self.refresh_inputs(after.t);
-            }
-            load_after.fill(0.0);
-            self.load_forces(after.t, after.q, 1.0, &mut load_after);
-            let work: f64 = (0..before.q.len())
-                .map(|i| 0.5 * (load_before[i] + load_after[i]) * (after.q[i] - before.q[i]))
-                .sum();
-            self.audit.work += work;
-            self.load_before = load_after;
-            self.load_after = load_before;
+            });
+            self.loads = forces;
         }
     }
 
@@ -399,7 +444,7 @@ impl Problem for System {
 
     fn describe(&self, unknown: usize) -> String {
         if unknown < self.model.map.coordinates {
-            return self.model.map.describe(unknown);
+            return self.model.describe(unknown);
         }
         let multiplier = unknown - self.model.map.coordinates;
         let joint = self
