@@ -54,7 +54,7 @@ Node = tuple[str, int]
 class BodyState(NamedTuple):
     """Strand nodes of one body, each (n, 3).
 
-    A free mass has one row of positions, a rigid body four: its centre and its axes; both leave slopes unused.
+    A free mass has one row of positions, a rigid body four, centre and axes; both leave slopes unused.
     """
 
     r: FloatArray
@@ -185,7 +185,7 @@ class _Lowering:
         return out
 
     def _equations(self, joint: JointData) -> int:
-        """Number of equations of a joint; a cable has one direction, which cannot twist."""
+        """Count the equations of a joint; a cable has one direction, which cannot twist."""
         count = EQUATIONS[type(joint)]
         sides = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
         for tangent in map(self.model._tangent, sides):

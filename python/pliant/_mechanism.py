@@ -308,7 +308,7 @@ class Mechanism(Contents):
     def _require_directions(
         self, a: Point, b: Point | WorldPoint, given_a: object, given_b: object, *, lines: bool = False
     ) -> None:
-        """Refuse point masses, and two cables: at least one side carries all directions (``lines``: need not)."""
+        """Refuse point masses, and two cables (unless ``lines``): one side must carry all directions."""
         for point, given, argument in ((a, given_a, "a"), (b, given_b, "b")):
             if isinstance(point, Point) and isinstance(self._bodies[point.body], MassBody):
                 _check.fail(argument, given, "a point mass has no directions; pin it, or take a rigid body")

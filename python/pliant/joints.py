@@ -1,4 +1,7 @@
-"""Joints: what a model keeps of them. The fields of a joint between two points, beside ``here``, are those of the core's document."""
+"""Joints: what a model keeps of them.
+
+The fields of a joint between two points, beside ``here``, are those of the core's document.
+"""
 
 from __future__ import annotations
 

@@ -195,6 +195,9 @@ class RigidBody(Handle):
     rigid_body1 at (0.1, 0, 0)
     """
 
+    def __repr__(self) -> str:
+        return f"RigidBody({self.name!r})"
+
     @property
     def center(self) -> Point:
         """The centre of mass."""

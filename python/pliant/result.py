@@ -204,7 +204,8 @@ class Result:
         if at.local is not None:
             offsets = self._offsets(at.body)[1:] + np.arange(3)
             axes = np.ascontiguousarray(records.q[:, offsets])
-        return Track(*(self._at(at, rows) for rows in (records.q, records.v, records.a)), axes)
+        position, velocity, acceleration = (self._at(at, rows) for rows in (records.q, records.v, records.a))
+        return Track(position, velocity, acceleration, axes)
 
     def joint(self, joint: Joint) -> JointMotion:
         """Motion of a joint along its freedom: the angle of a hinge, the way of a slider.

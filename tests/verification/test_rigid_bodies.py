@@ -7,9 +7,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from verification.cables import line
 
-# Heavy top: mass 15 kg at (0, 1, 0) m of the fixed point, inertia about the centre (0.234375, 0.46875, 0.234375)
-# kg m^2, spin (0, 150, -4.61538) rad/s, gravity 9.81 m/s^2 along -z. Centre at 0.1 s and 0.25 s by an explicit
-# Runge-Kutta method of order 8 on rotation matrix and angular velocity, tolerance 1e-13.
+# Heavy top: mass 15 kg at (0, 1, 0) m of the fixed point, inertia about the centre (0.234375, 0.46875,
+# 0.234375) kg m^2, spin (0, 150, -4.61538) rad/s, gravity 9.81 m/s^2 along -z. Centre at 0.1 s and 0.25 s by
+# an explicit Runge-Kutta method of order 8 on rotation matrix and angular velocity, tolerance 1e-13.
 HEAVY_TOP = {
     0.1: (0.4212966589253569, 0.8945719743456237, -0.14916470056185438),
     0.25: (0.5488841430089402, 0.4069941523330493, -0.7301246178016743),
@@ -70,7 +70,7 @@ def test_torque_free_asymmetric_top(record):
         drifts.append(np.abs(energy - energy[0]).max())
     assert record("asymmetric top, order", np.log2(errors[0] / errors[1]), 2.0, 0.1)
     assert record("asymmetric top, momentum", result.momentum[-1], (1, 2, 3), 1e-12, "kg m/s")
-    # Second order at 4 rad/s and 2 ms: (4 * 2e-3)^2 of 9 kg m^2/s and of 17 J, with the constants of the scheme.
+    # Second order at 4 rad/s and 2 ms: (8e-3)^2 of 9 kg m^2/s and of 17 J, with the constants of the scheme.
     assert record("asymmetric top, angular momentum's drift", drifts[2], 0.0, 2e-3, "kg m^2/s")
     assert record("asymmetric top, energy's drift", drifts[3], 0.0, 4e-3, "J")
     assert drifts[0] / drifts[2] > 3.5
@@ -266,7 +266,7 @@ def test_a_ring_slides_and_spins_on_a_shaft(record):
 
 
 def test_a_hinged_cable_turns_in_its_plane(record):
-    # A stiff light line hinged to the world about y falls like one that is pinned, but cannot leave the plane.
+    # A stiff line hinged to the world about y falls like one that is pinned, but cannot leave the plane.
     model = pl.Model(gravity=(0, 0, -9.81))
     rod = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, **line(1e4, 10.0))
     pivot = model.hinge(rod.start, axis=(0, 1, 0))
