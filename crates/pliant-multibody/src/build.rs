@@ -19,7 +19,7 @@ use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
-use cables::{blocks, cable_mass};
+use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
 use pliant_dae::structure::{Storage, Structure};
 
@@ -67,6 +67,12 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .zip(&map.cables)
         .map(|(cable, cable_map)| cable_mass(cable, arrays, &cable_map.lengths))
         .collect::<Result<_, _>>()?;
+    let axial_energy = spec
+        .cables
+        .iter()
+        .zip(&map.cables)
+        .map(|(cable, cable_map)| axial_energy(cable, arrays, &cable_map.lengths))
+        .sum::<Result<_, _>>()?;
     let rigid_bodies = builder.rigid_bodies(spec)?;
     let (joints, constraint_scale) = builder.joints(joints, length);
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
@@ -75,6 +81,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         blocks,
         strands,
         cable_masses,
+        axial_energy,
         masses,
         rigid_bodies,
         joints,

@@ -115,6 +115,17 @@ pub(super) fn blocks(
     Ok((blocks, places))
 }
 
+/// Energy at a strain of one, EA times the length [J], as a measure of rounding in elastic energies.
+pub(super) fn axial_energy(
+    cable: &CableSpec,
+    arrays: Arrays<'_>,
+    lengths: &[f64],
+) -> Result<f64, ModelError> {
+    let samples = arrays.get(&cable.axial_stiffness, "axial_stiffness")?;
+    let largest = samples.iter().copied().fold(0.0, f64::max);
+    Ok(largest * lengths.iter().sum::<f64>())
+}
+
 /// Mass of a cable [kg].
 pub(super) fn cable_mass(
     cable: &CableSpec,
