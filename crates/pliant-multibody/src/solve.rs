@@ -72,7 +72,7 @@ fn follow(
             state.q = point.q;
             state.lambda_ = point.lambda_;
             system.accept(point_of(&before), point_of(&state));
-            records.push(model, &state, system.audit);
+            records.push(model, &state, system.memory());
         }
     }
     Ok(())

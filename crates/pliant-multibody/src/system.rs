@@ -3,9 +3,11 @@
 use crate::model::{Model, PlacedJoint};
 use crate::point::Support;
 use crate::signal::Moment;
+use pliant_dae::error::Error;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
 use pliant_dae::structure::{Storage, Structure, entry_number};
 use pliant_elements::{self as elements, Block, Motion, Parameter, Workspace};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// What the caller's functions of time return at a time, all components one after the other.
@@ -30,12 +32,54 @@ struct Scratch {
 }
 
 /// Integrals over the accepted steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Audit {
     /// Energy dissipated by the material [J].
     pub dissipated: f64,
     /// Work of loads [J].
     pub work: f64,
+}
+
+/// What a run remembers beside the state of the integrator.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Integrals since the start.
+    pub audit: Audit,
+    /// Values of the inputs that are set from outside; those of functions of time follow them.
+    pub held: Vec<f64>,
+    /// The same when the tangent was last asked for: the kept factorisation contains them.
+    held_at_tangent: Vec<f64>,
+    /// Generalized force of the loads, and power of damping, at the last accepted point.
+    load_before: Vec<f64>,
+    power_before: Option<f64>,
+}
+
+impl Memory {
+    /// That of a run that begins with these inputs.
+    #[must_use]
+    pub fn new(held: &[f64]) -> Self {
+        Self { held: held.to_vec(), held_at_tangent: held.to_vec(), ..Self::default() }
+    }
+
+    /// Refuses what belongs to another model.
+    pub(crate) fn check(&self, model: &Model, inputs: usize) -> Result<(), Error> {
+        let loads = if self.load_before.is_empty() { 0 } else { model.coordinates() };
+        for (what, expected, got) in [
+            ("inputs", inputs, self.held.len()),
+            ("inputs of the tangent", inputs, self.held_at_tangent.len()),
+            ("loads", loads, self.load_before.len()),
+        ] {
+            if expected != got {
+                return Err(Error::Length { what, expected, got });
+            }
+        }
+        Ok(())
+    }
+
+    /// The same with the inputs of the time when the kept factorisation was made.
+    pub(crate) fn at_tangent(&self) -> Self {
+        Self { held: self.held_at_tangent.clone(), ..self.clone() }
+    }
 }
 
 /// A run of a model: its inputs, scratch memory and integrals over time.
@@ -44,16 +88,12 @@ pub struct System {
     inputs: Option<Inputs>,
     mode: Mode,
     parallel: bool,
-    /// Integrals since the start.
-    pub audit: Audit,
+    memory: Memory,
     workspaces: Vec<Workspace>,
     input_time: Option<f64>,
     input_values: Vec<f64>,
     scratch: Scratch,
-    /// Generalized force of the loads, and power of damping, at the last accepted point.
-    load_before: Vec<f64>,
     load_after: Vec<f64>,
-    power_before: Option<f64>,
 }
 
 impl System {
@@ -67,14 +107,12 @@ impl System {
             inputs,
             mode,
             parallel,
-            audit: Audit::default(),
+            memory: Memory::default(),
             workspaces,
             input_time: None,
             input_values: Vec::new(),
             scratch: Scratch::default(),
-            load_before: Vec::new(),
             load_after: Vec::new(),
-            power_before: None,
         }
     }
 
@@ -82,6 +120,42 @@ impl System {
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         &self.model
+    }
+
+    /// What a continuation needs beside the state.
+    #[must_use]
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// Goes back to what was remembered.
+    pub fn set_memory(&mut self, memory: Memory) {
+        self.memory = memory;
+        self.show_held();
+    }
+
+    /// Sets inputs from number `first` on: they hold at the end of the next step and from there on.
+    ///
+    /// # Errors
+    /// As many as the inputs there are after `first`, where `values` are more.
+    pub fn set_held(&mut self, first: usize, values: &[f64]) -> Result<(), Error> {
+        let count = self.memory.held.len();
+        match self.memory.held.get_mut(first..first + values.len()) {
+            Some(slots) => slots.copy_from_slice(values),
+            None => {
+                let (got, expected) = (values.len(), count.saturating_sub(first));
+                return Err(Error::Length { what: "values of inputs", expected, got });
+            }
+        }
+        self.show_held();
+        Ok(())
+    }
+
+    /// Makes the held values those that signals see, until the caller's functions are asked again.
+    fn show_held(&mut self) {
+        self.input_values.clear();
+        self.input_values.extend_from_slice(&self.memory.held);
+        self.input_time = None;
     }
 
     fn moment(&self, t: f64) -> Moment<'_> {
@@ -105,10 +179,25 @@ impl System {
         if self.input_time == Some(t) {
             return Ok(());
         }
-        self.input_values =
+        let values =
             inputs(t).map_err(|message| EvaluationError { message, recoverable: false })?;
+        self.input_values.truncate(self.memory.held.len());
+        self.input_values.extend(values);
         self.input_time = Some(t);
         Ok(())
+    }
+
+    /// Begins to gather work: notes the loads at the start.
+    pub fn note_loads(&mut self, t: f64, q: &[f64]) {
+        if self.model.loads.is_empty() {
+            return;
+        }
+        let mut force = vec![0.0; q.len()];
+        // Functions of time that fail here fail in the step itself.
+        if self.refresh_inputs(t).is_ok() {
+            self.load_forces(t, q, 1.0, &mut force);
+        }
+        self.memory.load_before = force;
     }
 
     fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
@@ -282,6 +371,9 @@ impl Problem for System {
     }
 
     fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        // A failing function of time fails in the residual, too.
+        let _ = self.refresh_inputs(at.t);
+        self.memory.held_at_tangent.clone_from(&self.memory.held);
         self.block_tangents(at, weights, values);
         self.mass_tangents(weights.mass, values);
         self.joint_tangents(at, weights, values);
@@ -320,31 +412,26 @@ impl Problem for System {
             let power = |at: Point<'_>| -> f64 {
                 self.model.blocks.iter().map(|b| b.block.dissipation(at.q, at.v)).sum()
             };
-            let power_before = self.power_before.unwrap_or_else(|| power(before));
+            let power_before = self.memory.power_before.unwrap_or_else(|| power(before));
             let power_after = power(after);
-            self.audit.dissipated += 0.5 * h * (power_before + power_after);
-            self.power_before = Some(power_after);
+            self.memory.audit.dissipated += 0.5 * h * (power_before + power_after);
+            self.memory.power_before = Some(power_after);
         }
         if !self.model.loads.is_empty() {
-            let mut load_before = std::mem::take(&mut self.load_before);
-            let mut load_after = std::mem::take(&mut self.load_after);
-            if load_before.is_empty() {
-                load_before.resize(before.q.len(), 0.0);
-                load_after.resize(before.q.len(), 0.0);
-                // Inputs that fail here have failed in the step itself.
-                if self.refresh_inputs(before.t).is_ok() {
-                    self.load_forces(before.t, before.q, 1.0, &mut load_before);
-                }
+            if self.memory.load_before.is_empty() {
+                self.note_loads(before.t, before.q);
                 let _ = self.refresh_inputs(after.t);
             }
-            load_after.fill(0.0);
+            let mut load_after = std::mem::take(&mut self.load_after);
+            load_after.clear();
+            load_after.resize(after.q.len(), 0.0);
             self.load_forces(after.t, after.q, 1.0, &mut load_after);
+            let load_before = &mut self.memory.load_before;
             let work: f64 = (0..before.q.len())
                 .map(|i| 0.5 * (load_before[i] + load_after[i]) * (after.q[i] - before.q[i]))
                 .sum();
-            self.audit.work += work;
-            self.load_before = load_after;
-            self.load_after = load_before;
+            self.memory.audit.work += work;
+            self.load_after = std::mem::replace(load_before, load_after);
         }
     }
 
