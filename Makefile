@@ -43,7 +43,8 @@ test-python: setup
 
 validate: setup ## the long checks; rewrites docs/validation.md
 	$(PY) -m pytest --timeout 3600 --validation-report target/validation.json
-	$(PY) docs/build_validation.py target/validation.json
+	cargo test --quiet -p pliant-dae -- --nocapture > target/validation-rust.txt
+	$(PY) docs/build_validation.py target/validation.json target/validation-rust.txt
 
 lint: setup ## formatting, clippy, ruff, mypy, floors
 	cargo fmt --all --check

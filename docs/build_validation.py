@@ -1,6 +1,9 @@
-"""Write docs/validation.md from the report of a test run.
+"""Write docs/validation.md from the reports of test runs.
 
-python docs/build_validation.py target/validation.json
+python docs/build_validation.py target/validation.json target/validation-rust.txt
+
+The first is what pytest wrote, the second what the Rust tests printed: JSON after `validation:` for each
+comparison.
 """
 
 import json
@@ -62,6 +65,14 @@ def describe_commit() -> str:
     return subprocess.run(command, cwd=HERE, check=True, capture_output=True, text=True).stdout.strip()
 
 
+def printed(text: str) -> list[dict]:
+    """Return the comparisons that Rust tests printed, test files together."""
+    lines = (line.partition("validation: ")[2] for line in text.splitlines())
+    return sorted((json.loads(line) for line in lines if line), key=lambda note: (note["test"], note["name"]))
+
+
 if __name__ == "__main__":
     report = json.loads(Path(sys.argv[1]).read_text())
+    for path in sys.argv[2:]:
+        report += printed(Path(path).read_text())
     (HERE / "validation.md").write_text(page(report, describe_commit()))

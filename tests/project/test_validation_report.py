@@ -33,10 +33,21 @@ def test_comparison_out_of_tolerance_fails_and_is_noted(record, unlisted, achiev
     assert not unlisted()[0]["passed"]
 
 
-def test_page_shows_every_comparison():
+@pytest.fixture
+def script():
+    """Return the script that writes the page, as a module."""
     spec = importlib.util.spec_from_file_location("build_validation", DOCS / "build_validation.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
+    return script
+
+
+def test_lines_of_rust_tests_are_read(script):
+    text = 'running 1 test\ntest order ... validation: {"name": "order of q", "test": "a.rs"}\nok'
+    assert script.printed(text) == [{"name": "order of q", "test": "a.rs"}]
+
+
+def test_page_shows_every_comparison(script):
     note = {
         "name": "area",
         "reference": [1.0, 2.0],

@@ -405,7 +405,7 @@ impl Builder<'_> {
             }
             let support = self.support([&r]);
             let element = self.structure.add_element(&support.groups, Storage::Symmetric);
-            masses.push(Mass { mass: mass.mass, r, support, element });
+            masses.push(Mass { name: mass.name.clone(), mass: mass.mass, r, support, element });
         }
         Ok(masses)
     }

@@ -1,6 +1,7 @@
 //! A run as bytes: everything that a bit-identical continuation needs, little endian, numbers as they are in memory.
 
 use crate::error::ModelError;
+use crate::run::Balance;
 use crate::system::Memory;
 use pliant_dae::generalized_alpha::State;
 use pliant_dae::statistics::Statistics;
@@ -20,6 +21,8 @@ pub struct Saved {
     pub statistics: Statistics,
     /// Steps since the start.
     pub steps: u64,
+    /// The watch over energy.
+    pub balance: Balance,
 }
 
 impl Saved {

@@ -32,6 +32,7 @@ pub(crate) struct StrandPlace {
 
 /// A lumped mass `m r_q^T r_q`.
 pub(crate) struct Mass {
+    pub name: String,
     pub mass: f64,
     pub r: Interpolation,
     pub support: Support,
@@ -118,6 +119,23 @@ impl Model {
     #[must_use]
     pub fn map(&self) -> &DofMap {
         &self.map
+    }
+
+    /// Name of a coordinate for messages.
+    pub(crate) fn describe(&self, coordinate: usize) -> String {
+        let free = |mass: &&Mass| match mass.r.terms[..] {
+            [(offset, _)] => {
+                self.map.shared.contains(&offset) && (offset..offset + 3).contains(&coordinate)
+            }
+            _ => false,
+        };
+        match self.masses.iter().find(free) {
+            Some(mass) => {
+                let axis = ["x", "y", "z"][coordinate - mass.r.terms[0].0];
+                format!("mass '{}', position {axis}", mass.name)
+            }
+            None => self.map.describe(coordinate),
+        }
     }
 
     /// First multiplier and number of multipliers of each joint.

@@ -7,7 +7,9 @@ use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::{Integrator, Options, State};
 use pliant_dae::initial::Consistent;
 use pliant_dae::linear_solver::LinearSolver;
+use pliant_dae::problem::EvaluationError;
 use pliant_dae::statistics::Statistics;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -51,6 +53,51 @@ pub struct Run {
     pool: Option<rayon::ThreadPool>,
     steps: u64,
     records: Records,
+    balance: Balance,
+}
+
+/// Watches for energy from nowhere: a step that is too long for an undamped impact can gain without bound while
+/// Newton's iteration converges well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Balance {
+    /// Mechanical energy at the start [J].
+    start: f64,
+    /// Elastic and gravitational energy at the start [J].
+    potential: [f64; 2],
+    /// Largest energy that was seen to change hands [J].
+    scale: f64,
+}
+
+/// Part of the energy in play that may come from nowhere; a useful run stays below a hundredth of it.
+const LARGEST_GAIN: f64 = 0.5;
+
+impl Balance {
+    /// Notes kinetic, elastic and gravitational energy at the start.
+    fn begin(&mut self, [kinetic, elastic, gravitational]: [f64; 3]) {
+        self.start = kinetic + elastic + gravitational;
+        self.potential = [elastic, gravitational];
+        self.scale = kinetic;
+    }
+
+    /// Checks kinetic, elastic and gravitational energy and work: damping only takes.
+    fn check(&mut self, [kinetic, elastic, gravitational, work]: [f64; 4]) -> Result<(), String> {
+        let total = kinetic + elastic + gravitational - work;
+        let [elastic_0, gravitational_0] = self.potential;
+        let rise = (gravitational - gravitational_0).abs();
+        let now = kinetic + elastic.max(elastic_0) + rise + work.abs();
+        let gain = total - self.start;
+        self.scale = self.scale.max(now);
+        // Rounding in large energies that cancel is no gain.
+        let floor = 1e-9 * (elastic_0.abs() + gravitational_0.abs());
+        if gain <= LARGEST_GAIN * self.scale + floor {
+            return Ok(());
+        }
+        Err(format!(
+            "{gain:.3e} J have come from nowhere, of {:.3e} J in play: the step does not resolve this motion; take a \
+             smaller step or spectral_radius, or give the material a retardation_time",
+            self.scale
+        ))
+    }
 }
 
 /// How a run is made.
@@ -112,7 +159,10 @@ impl Run {
         let (mut integrator, start) =
             on(pool.as_ref(), || Integrator::new(system, solver, options.integrator, 0.0, &q, &v))?;
         integrator.problem_mut().note_loads(0.0, &q);
-        Ok((Self { integrator, pool, steps: 0, records: Records::default() }, start))
+        let mut balance = Balance::default();
+        let energy = integrator.problem().model().energy(&q, &integrator.state().v);
+        balance.begin(energy);
+        Ok((Self { integrator, pool, steps: 0, records: Records::default(), balance }, start))
     }
 
     /// Continues where a run was saved, with the same bits as if it had never stopped.
@@ -125,14 +175,14 @@ impl Run {
         saved: Saved,
         inputs: Option<Inputs>,
     ) -> Result<Self, Error> {
-        let Saved { state, memory, statistics, steps } = saved;
+        let Saved { state, memory, statistics, steps, balance } = saved;
         memory.check(&model, memory.held.len())?;
         let (pool, system, solver) = prepare(model, options, inputs, memory.at_tangent())?;
         let mut integrator =
             on(pool.as_ref(), || Integrator::resume(system, solver, options.integrator, state))?;
         integrator.problem_mut().set_memory(memory);
         integrator.set_statistics(statistics);
-        Ok(Self { integrator, pool, steps, records: Records::default() })
+        Ok(Self { integrator, pool, steps, records: Records::default(), balance })
     }
 
     /// Goes back to where it was saved, and forgets what was recorded; counters go on.
@@ -140,7 +190,7 @@ impl Run {
     /// # Errors
     /// A state of another model; nothing has changed then.
     pub fn reset(&mut self, saved: Saved) -> Result<(), Error> {
-        let Saved { state, memory, steps, .. } = saved;
+        let Saved { state, memory, steps, balance, .. } = saved;
         let here = self.integrator.problem().memory().clone();
         memory.check(self.integrator.problem().model(), here.held.len())?;
         let Self { integrator, pool, .. } = self;
@@ -149,6 +199,7 @@ impl Run {
         integrator.problem_mut().set_memory(if outcome.is_ok() { memory } else { here });
         outcome?;
         self.steps = steps;
+        self.balance = balance;
         self.records = Records::default();
         Ok(())
     }
@@ -161,6 +212,7 @@ impl Run {
             memory: self.integrator.problem().memory().clone(),
             statistics: self.integrator.statistics().clone(),
             steps: self.steps,
+            balance: self.balance,
         }
     }
 
@@ -173,9 +225,19 @@ impl Run {
     }
 
     /// Records the present state.
-    pub fn record(&mut self) {
+    ///
+    /// # Errors
+    /// Energy from nowhere; the state is recorded all the same.
+    pub fn record(&mut self) -> Result<(), Error> {
         let system = self.integrator.problem();
-        self.records.push(system.model(), self.integrator.state(), system.memory());
+        let state = self.integrator.state();
+        self.records.push(system.model(), state, system.memory());
+        let row = &self.records.energy[self.records.energy.len() - 5..];
+        let t = state.t;
+        self.balance.check([row[0], row[1], row[2], row[4]]).map_err(|message| Error::Evaluation {
+            t,
+            source: EvaluationError { message, recoverable: false },
+        })
     }
 
     /// The present state as one row.
@@ -202,7 +264,7 @@ impl Run {
             on(pool.as_ref(), || integrator.advance_to(end, leg.step))?;
             self.steps += 1;
             if leg.output_every > 0 && self.steps.is_multiple_of(leg.output_every) {
-                self.record();
+                self.record()?;
             }
         }
         Ok(leg.steps)
@@ -264,4 +326,35 @@ fn thread_pool(threads: usize, model: &Model) -> Option<rayon::ThreadPool> {
         return None;
     }
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energy_may_change_hands_but_not_come_from_nowhere() {
+        let mut balance = Balance::default();
+        balance.begin([0.0, 0.0, 10.0]);
+        // Ten joules fall, stretch and are spent; loads do work.
+        for [kinetic, elastic, gravitational, work] in [
+            [0.0, 0.0, 10.0, 0.0],
+            [9.0, 1.0, 0.0, 0.0],
+            [0.0, 10.1, 0.0, 0.0],
+            [2.0, 0.0, 0.0, 0.0],
+            [102.0, 0.0, 0.0, 100.0],
+            [0.0, 0.0, 0.0, -2.0],
+        ] {
+            balance.check([kinetic, elastic, gravitational, work]).unwrap();
+        }
+        let message = balance.check([500.0, 0.0, 0.0, 100.0]).unwrap_err();
+        assert!(message.contains("3.900e2 J have come from nowhere"), "{message}");
+    }
+
+    #[test]
+    fn equilibrium_under_great_stress_is_not_disturbed_by_rounding() {
+        let mut balance = Balance::default();
+        balance.begin([0.0, 1e6, 1e6]);
+        balance.check([1e-9, 1e6, 1e6 + 1e-6, 0.0]).unwrap();
+    }
 }

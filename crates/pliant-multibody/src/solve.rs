@@ -17,6 +17,17 @@ pub struct StaticOptions {
     pub load_steps: usize,
     /// Newton's tolerance, in units of the model's size; none: down to rounding.
     pub tolerance: Option<f64>,
+    /// Leave unstable equilibria for stable ones.
+    pub stable: bool,
+}
+
+/// Equilibria along the load.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Path {
+    /// Those at the load factors reached.
+    pub records: Records,
+    /// Load factors at which they are unstable.
+    pub unstable: Vec<f64>,
 }
 
 /// Equilibria at the load factors reached, the last at 1, and whether the search got there: on failure (no
@@ -29,10 +40,10 @@ pub fn statics(
     q: Option<&[f64]>,
     inputs: Option<Inputs>,
     poll: &mut dyn FnMut(f64) -> bool,
-) -> (Records, Result<(), Error>) {
-    let mut records = Records::default();
-    let outcome = follow(model, options, q, inputs, poll, &mut records);
-    (records, outcome)
+) -> (Path, Result<(), Error>) {
+    let mut path = Path::default();
+    let outcome = follow(model, options, q, inputs, poll, &mut path);
+    (path, outcome)
 }
 
 fn follow(
@@ -41,7 +52,7 @@ fn follow(
     q: Option<&[f64]>,
     inputs: Option<Inputs>,
     poll: &mut dyn FnMut(f64) -> bool,
-    records: &mut Records,
+    path: &mut Path,
 ) -> Result<(), Error> {
     let mut system = System::new(model.clone(), Mode::Static, inputs, false);
     let mut solver = model.solver(false)?;
@@ -60,19 +71,23 @@ fn follow(
             from: factor(k),
             to: factor(k + 1),
             tolerance: options.tolerance.unwrap_or(statics::StaticOptions::default().tolerance),
+            stable: options.stable,
             ..statics::StaticOptions::default()
         };
         let mut poll = || !poll(options.to);
         let solver = solver.as_mut();
-        let path =
+        let points =
             solve_static(&mut system, solver, &state.q, &state.lambda_, &options, &mut poll)?;
-        for point in path {
+        for point in points {
             let before = state.clone();
             state.t = point.load;
             state.q = point.q;
             state.lambda_ = point.lambda_;
             system.accept(point_of(&before), point_of(&state));
-            records.push(model, &state, system.memory());
+            path.records.push(model, &state, system.memory());
+            if point.stable == Some(false) {
+                path.unstable.push(point.load);
+            }
         }
     }
     Ok(())

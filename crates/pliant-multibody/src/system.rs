@@ -29,6 +29,32 @@ struct Scratch {
     phi: Vec<f64>,
     jacobian: Vec<f64>,
     hessian: Vec<f64>,
+    /// Zeros.
+    rest: Vec<f64>,
+}
+
+/// Mean of `forces` (added to a vector of zeros) at both ends of a step, times the displacement between. `noted` holds
+/// those at its beginning (empty: to be found) and is left with those at its end; `spare` is scratch.
+fn work(
+    noted: &mut Vec<f64>,
+    spare: &mut Vec<f64>,
+    before: Point<'_>,
+    after: Point<'_>,
+    mut forces: impl FnMut(Point<'_>, &mut [f64]),
+) -> f64 {
+    let n = before.q.len();
+    if noted.is_empty() {
+        noted.resize(n, 0.0);
+        forces(before, noted);
+    }
+    spare.clear();
+    spare.resize(n, 0.0);
+    forces(after, spare);
+    let mean = noted.iter().zip(spare.iter()).map(|(b, a)| 0.5 * (b + a));
+    let moved = after.q.iter().zip(before.q).map(|(a, b)| a - b);
+    let work = mean.zip(moved).map(|(f, d)| f * d).sum();
+    std::mem::swap(noted, spare);
+    work
 }
 
 /// Integrals over the accepted steps.
@@ -49,9 +75,9 @@ pub struct Memory {
     pub held: Vec<f64>,
     /// The same when the tangent was last asked for: the kept factorisation contains them.
     held_at_tangent: Vec<f64>,
-    /// Generalized force of the loads, and power of damping, at the last accepted point.
-    load_before: Vec<f64>,
-    power_before: Option<f64>,
+    /// Generalized forces of the loads and of damping at the last accepted point.
+    loads: Vec<f64>,
+    damping: Vec<f64>,
 }
 
 impl Memory {
@@ -63,11 +89,12 @@ impl Memory {
 
     /// Refuses what belongs to another model.
     pub(crate) fn check(&self, model: &Model, inputs: usize) -> Result<(), Error> {
-        let loads = if self.load_before.is_empty() { 0 } else { model.coordinates() };
+        let full = |forces: &[f64]| if forces.is_empty() { 0 } else { model.coordinates() };
         for (what, expected, got) in [
             ("inputs", inputs, self.held.len()),
             ("inputs of the tangent", inputs, self.held_at_tangent.len()),
-            ("loads", loads, self.load_before.len()),
+            ("loads", full(&self.loads), self.loads.len()),
+            ("damping", full(&self.damping), self.damping.len()),
         ] {
             if expected != got {
                 return Err(Error::Length { what, expected, got });
@@ -93,7 +120,8 @@ pub struct System {
     input_time: Option<f64>,
     input_values: Vec<f64>,
     scratch: Scratch,
-    load_after: Vec<f64>,
+    /// Generalized forces at the next accepted point.
+    forces: Vec<f64>,
 }
 
 impl System {
@@ -112,7 +140,7 @@ impl System {
             input_time: None,
             input_values: Vec::new(),
             scratch: Scratch::default(),
-            load_after: Vec::new(),
+            forces: Vec::new(),
         }
     }
 
@@ -197,7 +225,7 @@ impl System {
         if self.refresh_inputs(t).is_ok() {
             self.load_forces(t, q, 1.0, &mut force);
         }
-        self.memory.load_before = force;
+        self.memory.loads = force;
     }
 
     fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
@@ -211,6 +239,28 @@ impl System {
     fn gather(support: &Support, q: &[f64], x: &mut Vec<f64>) {
         x.clear();
         x.extend(support.unknowns.iter().map(|&u| q[u]));
+    }
+
+    /// What damping adds to the inner forces.
+    fn damping_forces(&mut self, q: &[f64], v: &[f64], force: &mut [f64]) {
+        let mut rest = std::mem::take(&mut self.scratch.rest);
+        rest.resize(v.len(), 0.0);
+        let blocks = self.model.blocks.iter().zip(&mut self.workspaces);
+        for (placed, workspace) in blocks.filter(|(placed, _)| placed.block.has_damping()) {
+            let mut add = |v: &[f64], force: &mut [f64]| {
+                let motion = Motion { q, v, a: &rest };
+                placed.block.residual(motion, [0.0; 3], workspace, force, self.parallel);
+            };
+            for f in force.iter_mut() {
+                *f = -*f;
+            }
+            add(&rest, force);
+            for f in force.iter_mut() {
+                *f = -*f;
+            }
+            add(v, force);
+        }
+        self.scratch.rest = rest;
     }
 
     /// Calls `work` with each joint, its local coordinates and its range of equations.
@@ -405,33 +455,29 @@ impl Problem for System {
         self.each_joint(q, |joint, x, equations| joint.joint.rate(t, x, &mut out[equations]));
     }
 
-    /// Work of loads and dissipation by the trapezoidal rule over the step, second order like the step itself.
+    /// Work of loads and dissipation: mean of the forces at both ends of the step times its displacement. Second
+    /// order, and exact also where damping brings a jump of velocity to rest within the step, whose power at the
+    /// ends says nothing about the time between.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
-        let h = after.t - before.t;
         if self.has_damping() {
-            let power = |at: Point<'_>| -> f64 {
-                self.model.blocks.iter().map(|b| b.block.dissipation(at.q, at.v)).sum()
-            };
-            let power_before = self.memory.power_before.unwrap_or_else(|| power(before));
-            let power_after = power(after);
-            self.memory.audit.dissipated += 0.5 * h * (power_before + power_after);
-            self.memory.power_before = Some(power_after);
+            let mut noted = std::mem::take(&mut self.memory.damping);
+            let mut forces = std::mem::take(&mut self.forces);
+            self.memory.audit.dissipated +=
+                work(&mut noted, &mut forces, before, after, |at, force| {
+                    self.damping_forces(at.q, at.v, force);
+                });
+            (self.memory.damping, self.forces) = (noted, forces);
         }
         if !self.model.loads.is_empty() {
-            if self.memory.load_before.is_empty() {
-                self.note_loads(before.t, before.q);
-                let _ = self.refresh_inputs(after.t);
-            }
-            let mut load_after = std::mem::take(&mut self.load_after);
-            load_after.clear();
-            load_after.resize(after.q.len(), 0.0);
-            self.load_forces(after.t, after.q, 1.0, &mut load_after);
-            let load_before = &mut self.memory.load_before;
-            let work: f64 = (0..before.q.len())
-                .map(|i| 0.5 * (load_before[i] + load_after[i]) * (after.q[i] - before.q[i]))
-                .sum();
-            self.memory.audit.work += work;
-            self.load_after = std::mem::replace(load_before, load_after);
+            let mut noted = std::mem::take(&mut self.memory.loads);
+            let mut forces = std::mem::take(&mut self.forces);
+            self.memory.audit.work += work(&mut noted, &mut forces, before, after, |at, force| {
+                // Inputs that fail here have failed in the step itself.
+                if self.refresh_inputs(at.t).is_ok() {
+                    self.load_forces(at.t, at.q, 1.0, force);
+                }
+            });
+            (self.memory.loads, self.forces) = (noted, forces);
         }
     }
 
@@ -468,7 +514,7 @@ impl Problem for System {
 
     fn describe(&self, unknown: usize) -> String {
         if unknown < self.model.map.coordinates {
-            return self.model.map.describe(unknown);
+            return self.model.describe(unknown);
         }
         let multiplier = unknown - self.model.map.coordinates;
         let joint = self

@@ -133,8 +133,9 @@ impl PyIntegrator {
         outcome.map_err(|error| raise(py, &self.failure, &error))
     }
 
-    fn record(&mut self) {
-        self.run().record();
+    fn record(&mut self, py: Python<'_>) -> PyResult<()> {
+        let outcome = self.run().record();
+        outcome.map_err(|error| raise(py, &self.failure, &error))
     }
 
     fn present<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

@@ -20,6 +20,28 @@ pub fn order(h: &[f64], error: &[f64]) -> f64 {
     xy / xx
 }
 
+/// Where a comparison belongs in the report: the test's file and a line about it.
+pub struct Chapter {
+    pub file: &'static str,
+    pub about: &'static str,
+}
+
+impl Chapter {
+    /// Asserts `|achieved - reference| <= tolerance`, and prints the comparison as the line of JSON that
+    /// `docs/build_validation.py` reads.
+    pub fn record(&self, name: &str, achieved: f64, reference: f64, tolerance: f64, unit: &str) {
+        let error = (achieved - reference).abs();
+        let passed = error <= tolerance;
+        println!(
+            "validation: {{\"name\": \"{name}\", \"achieved\": {achieved:e}, \"reference\": {reference:e}, \
+             \"error\": {error:e}, \"tolerance\": {tolerance:e}, \"unit\": \"{unit}\", \"source\": \"\", \
+             \"passed\": {passed}, \"test\": \"{}\", \"about\": \"{}\"}}",
+            self.file, self.about
+        );
+        assert!(passed, "{name}: {achieved} instead of {reference}, off by {error:e}");
+    }
+}
+
 /// Writes a dense matrix, row by row, into the only element of a structure.
 pub fn one_element(velocities: usize, multipliers: usize, storage: Storage) -> Structure {
     let mut structure = Structure::new(velocities, multipliers);
