@@ -24,7 +24,7 @@ def string_hit_by_a_ball(step: float) -> pl.Result:
 
 
 def test_energy_from_nowhere_is_an_error_that_keeps_the_result():
-    # The step is far too long for the waves of the blow: megajoules come out of 157 J, though Newton converges.
+    # The step is far too long for the waves of the blow: megajoules come out of 157 J, and Newton converges.
     with pytest.raises(pl.ConvergenceError, match=r"nowhere|no convergence") as caught:
         string_hit_by_a_ball(1e-3)
     assert len(caught.value.result.time) >= 1
@@ -37,8 +37,8 @@ def test_the_same_blow_in_short_steps_keeps_its_energy():
 
 
 def test_damping_accounts_for_a_blow():
-    # Kelvin-Voigt cords take the jump of a blow up within a fraction of a step: what they dissipate is force times
-    # way, not power times step.
+    # Kelvin-Voigt cords take the jump of a blow up within a fraction of a step: what they dissipate is force
+    # times way, not power times step.
     gaps = []
     for step in (4e-4, 2e-4):
         model = pl.Model()
