@@ -22,8 +22,9 @@ from pliant.model import Model
 from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass
 from pliant.result import Result
 from pliant.sections import Circle, Rectangle, Section, Tube
-from pliant.signals import Ramp, Table
-from pliant.simulation import Modes, simulate, solve_modes, solve_static
+from pliant.signals import Input, Ramp, Table
+from pliant.simulation import Modes, resume, simulate, simulate_many, solve_modes, solve_static
+from pliant.stepper import Stepper
 
 if TYPE_CHECKING:
     from pliant import scenes
@@ -35,6 +36,7 @@ __all__ = [
     "ConvergenceError",
     "Curve",
     "FileError",
+    "Input",
     "Joint",
     "LinearElastic",
     "Load",
@@ -48,10 +50,13 @@ __all__ = [
     "Result",
     "SaintVenantKirchhoff",
     "Section",
+    "Stepper",
     "Table",
     "Tube",
+    "resume",
     "scenes",
     "simulate",
+    "simulate_many",
     "solve_modes",
     "solve_static",
     "youngs_modulus_from_shore_a",

@@ -13,7 +13,7 @@ from pliant.errors import ModelError
 from pliant.joints import Clamp, Pin
 from pliant.loads import Force, LineLoad, Moment
 from pliant.points import Point, WorldPoint
-from pliant.signals import Combination, Constant, Function, LostFunction, Ramp, Table
+from pliant.signals import Combination, Constant, Function, Input, LostFunction, Ramp, Table
 
 VERSION = 1
 KINDS: Mapping[str, type[Any]] = {
@@ -31,6 +31,7 @@ KINDS: Mapping[str, type[Any]] = {
         Constant,
         Table,
         Ramp,
+        Input,
         Combination,
         LostFunction,
     )

@@ -1,8 +1,8 @@
 //! A run as bytes: everything that a bit-identical continuation needs, little endian, numbers as they are in memory.
 
 use crate::error::ModelError;
+use crate::memory::Memory;
 use crate::run::Balance;
-use crate::system::Memory;
 use pliant_dae::generalized_alpha::State;
 use pliant_dae::statistics::Statistics;
 use serde::{Deserialize, Serialize};

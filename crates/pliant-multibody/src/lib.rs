@@ -7,6 +7,7 @@ pub mod dof_map;
 pub mod error;
 pub mod joints;
 pub mod loads;
+pub mod memory;
 pub mod model;
 mod output;
 pub mod point;

@@ -1,8 +1,9 @@
 //! A run in progress: steps, and what is recorded of them.
 
 use crate::checkpoint::Saved;
+use crate::memory::Memory;
 use crate::model::Model;
-use crate::system::{Inputs, Memory, Mode, System};
+use crate::system::{Inputs, Mode, System};
 use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::{Integrator, Options, State};
 use pliant_dae::initial::Consistent;
@@ -87,8 +88,8 @@ impl Balance {
         let now = kinetic + elastic.max(elastic_0) + rise + work.abs();
         let gain = total - self.start;
         self.scale = self.scale.max(now);
-        // Rounding in large energies that cancel is no gain.
-        let floor = 1e-9 * (elastic_0.abs() + gravitational_0.abs());
+        // Rounding is no gain, neither in large energies that cancel nor where nothing moves.
+        let floor = 1e-9 * (1.0 + elastic_0.abs() + gravitational_0.abs());
         if gain <= LARGEST_GAIN * self.scale + floor {
             return Ok(());
         }
