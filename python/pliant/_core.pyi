@@ -76,11 +76,15 @@ class System:
         *,
         load_steps: int = 1,
         tolerance: float | None = None,
+        stable: bool = True,
         q: FloatArray | None = None,
         inputs: Callable[[float], FloatArray] | None = None,
         poll: Callable[[float], None] | None = None,
     ) -> Records:
-        """Equilibria at the load factors reached, the last at 1. ``poll(load_factor)`` may raise to stop."""
+        """Equilibria at the load factors reached, the last at 1. ``poll(load_factor)`` may raise to stop.
+
+        Beside the records, ``unstable`` holds the load factors at which the equilibrium is unstable.
+        """
     def solve_modes(
         self,
         count: int,

@@ -23,6 +23,7 @@ class ModelError(ValueError):
     """
 
     result: Result | None = None
+    records: Any = None  # the core's, before they become the result
 
 
 class FileError(OSError):
@@ -66,6 +67,7 @@ class ConvergenceError(RuntimeError):
         self.body = body
         self.node = node
         self.result = result
+        self.records: Any = None  # the core's, before they become the result
 
     @classmethod
     def from_core(cls, message: str, facts: dict[str, Any]) -> ConvergenceError:
@@ -91,7 +93,11 @@ def translated() -> Iterator[None]:
     try:
         yield
     except _core.ModelError as error:
-        raise ModelError(str(error)) from None
+        wrong = ModelError(str(error))
+        wrong.records = getattr(error, "records", None)
+        raise wrong from None
     except _core.ConvergenceError as error:
         facts = error.args[1] if len(error.args) > 1 and isinstance(error.args[1], dict) else {}
-        raise ConvergenceError.from_core(str(error.args[0]), facts) from None
+        failure = ConvergenceError.from_core(str(error.args[0]), facts)
+        failure.records = getattr(error, "records", None)
+        raise failure from None

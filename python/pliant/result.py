@@ -82,10 +82,7 @@ class Statistics:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """State of the bodies at one time: a start for another run. It can be pickled.
-
-    That of a stepper holds all that :meth:`pliant.Stepper.reset` needs.
-    """
+    """State of the bodies at one time: a start for another run; ``saved`` is what a stepper goes back by."""
 
     model: Model
     bodies: Mapping[str, BodyState]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
@@ -105,16 +106,14 @@ def simulate(
     plan = Plan.checked(duration, step, output_every, output_times, checkpoint, on_step is not None)
     _check_on_step(on_step)
     progress = None if progress is None else _check.flag(progress, "progress")
-    stepper = Stepper(
+    stepper = _begin(
         model,
-        step=plan.legs[0].step,
+        plan,
         start=start,
         spectral_radius=spectral_radius,
         tolerance=tolerance,
         threads=threads,
     )
-    if not plan.keeps_start:
-        stepper._forget()
     return _drive(stepper, plan, on_step, progress)
 
 
@@ -291,22 +290,17 @@ def _simulate_one(
     step: float,
     output_every: int = 1,
     output_times: ArrayLike | None = None,
-    start: Result | State | None = None,
-    spectral_radius: float | None = None,
-    tolerance: float | None = None,
+    **options: Any,
 ) -> Result:
     plan = Plan.checked(duration, step, output_every, output_times, None, False)
-    stepper = Stepper(
-        model,
-        step=plan.legs[0].step,
-        start=start,
-        spectral_radius=spectral_radius,
-        tolerance=tolerance,
-        threads=1,
-    )
+    return _drive(_begin(model, plan, **{**options, "threads": 1}), plan, None, False, stop)
+
+
+def _begin(model: Model, plan: Plan, **options: Any) -> Stepper:
+    stepper = Stepper(model, step=plan.legs[0].step, **options)
     if not plan.keeps_start:
         stepper._forget()
-    return _drive(stepper, plan, None, False, stop)
+    return stepper
 
 
 def solve_static(
@@ -315,6 +309,7 @@ def solve_static(
     start: Result | State | None = None,
     load_steps: int = 1,
     tolerance: float | None = None,
+    stable: bool = True,
     progress: bool | None = None,
 ) -> Result:
     """Find the equilibrium of a model under its loads.
@@ -330,13 +325,18 @@ def solve_static(
         factor. Steps are cut when they fail.
     tolerance : float, optional
         Newton's tolerance, relative to the size of the model.
+    stable : bool
+        Leave unstable equilibria (a rope straight under compression, a strut above its critical load) for
+        stable ones. False keeps whatever equilibrium comes first, with a warning where it is unstable. Under
+        loads that follow the motion stability is not tested.
     progress : bool, optional
         Show a progress bar; by default on a terminal.
 
     Returns
     -------
     Result
-        Equilibria at the load factors ``result.load_factor``; the last is full load.
+        Equilibria at the load factors ``result.load_factor``; the last is full load. Where there is none,
+        ``ConvergenceError.result`` holds those reached before.
 
     Examples
     --------
@@ -353,6 +353,7 @@ def solve_static(
     model = require_model(model)
     load_steps = _check.count(load_steps, "load_steps")
     tolerance = None if tolerance is None else _check.number(tolerance, "tolerance", above=0, below=1)
+    stable = _check.flag(stable, "stable")
     progress = None if progress is None else _check.flag(progress, "progress")
     state = None if start is None else require_state(start, "start", model)
     model = model.copy()
@@ -360,6 +361,11 @@ def solve_static(
     q, _ = start_vectors(lowered, system, state, model)
     inputs = CallableInputs(lowered, lowered.held_values)
     reached = 0.0
+
+    def collect(raw: Any) -> Result:
+        records = as_records({key: value for key, value in raw.items() if key != "unstable"})
+        return Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
+
     with progress_bar(progress, 100) as report, inputs.guarded():
 
         def poll(factor: float) -> None:
@@ -369,13 +375,23 @@ def solve_static(
 
         try:
             with translated():
-                records = system.solve_static(
-                    load_steps=load_steps, tolerance=tolerance, q=q, inputs=inputs.callback, poll=poll
+                raw: Any = system.solve_static(
+                    load_steps=load_steps,
+                    tolerance=tolerance,
+                    stable=stable,
+                    q=q,
+                    inputs=inputs.callback,
+                    poll=poll,
                 )
-        except ConvergenceError as error:
+        except (ConvergenceError, ModelError) as error:
             name_node(error, model)
+            if error.records is not None and len(error.records["time"]):
+                error.result = collect(error.records)
             raise
-    return Result(model, lowered, as_records(records), static=True, statistics=Statistics(), system=system)
+    if len(raw["unstable"]):
+        factors = ", ".join(f"{factor:g}" for factor in raw["unstable"])
+        warnings.warn(f"the equilibrium is unstable at load factor {factors}", stacklevel=2)
+    return collect(raw)
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,10 +44,10 @@ LOCKING = {
 }
 
 
-def tip(elements: int, axial_stiffness: float, force: float, **options) -> np.ndarray:
+def tip(elements: int, axial_stiffness: float, force: float, stable: bool = True, **options) -> np.ndarray:
     model, arm = cantilever(elements, axial_stiffness, **options)
     model.add_force(arm.end, (0, force, 0))
-    result = pl.solve_static(model, load_steps=4)
+    result = pl.solve_static(model, load_steps=4, stable=stable)
     return result.track(arm.end).position[-1]
 
 
@@ -77,11 +77,13 @@ def test_extensible_rods_tell_the_strain_measures_apart(stiffness, strain, recor
     assert record(f"extensible rod, EA = {stiffness:g}, {strain}", achieved, 0.0, 3e-8, unit="L")
 
 
+@pytest.mark.filterwarnings("ignore:the equilibrium is unstable")
 @pytest.mark.parametrize(("stiffness", "integration"), LOCKING)
 def test_locking_study_is_reproduced(stiffness, integration, record):
     exact = ELASTICA[2.0] if stiffness == 1e8 else EXTENSIBLE[stiffness, "green_lagrange"]
     for n, published in zip((2, 4, 8, 16), LOCKING[stiffness, integration], strict=True):
-        achieved = error(tip(n, stiffness, 2.0, integration=integration), exact)
+        # The smooth shape of two locked elements is unstable: they kink.
+        achieved = error(tip(n, stiffness, 2.0, stable=False, integration=integration), exact)
         # Same equations: agreement to the accuracy of the exact solutions (1e-9) and of the static solve.
         name = f"tip error, EA = {stiffness:g}, {integration}, {n} elements"
         assert record(name, achieved, published, 5e-9 + 1e-4 * published, unit="L")

@@ -87,6 +87,18 @@ pub enum Error {
         /// Its description.
         name: String,
     },
+    /// No stable equilibrium was found.
+    #[error(
+        "at t = {t} only unstable equilibria were found, by which {name} moves most: there may be no stable one"
+    )]
+    Unstable {
+        /// The load factor.
+        t: f64,
+        /// The unknown that moves most in the unstable motion.
+        unknown: usize,
+        /// Its description.
+        name: String,
+    },
     /// The iteration did not converge.
     #[error(
         "no convergence at t = {} with a step of {} after {} iterations; {} still moves (increments {:?})",
@@ -125,7 +137,10 @@ impl Error {
     #[must_use]
     pub fn is_recoverable(&self) -> bool {
         match self {
-            Self::NotConverged(_) | Self::NotFinite(_) | Self::Singular { .. } => true,
+            Self::NotConverged(_)
+            | Self::NotFinite(_)
+            | Self::Singular { .. }
+            | Self::Unstable { .. } => true,
             Self::Evaluation { source, .. } => source.recoverable,
             _ => false,
         }

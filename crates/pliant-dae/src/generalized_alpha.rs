@@ -13,6 +13,7 @@ use std::mem::swap;
 use crate::error::{Error, Failure};
 pub use crate::integrator::{Integrator, Options, StepReport};
 use crate::newton::Verdict;
+use crate::passes::vectorised;
 use crate::problem::{Point, Problem};
 use crate::scaling::{first_not_finite, largest, magnitude, weighted_max, worst};
 pub use crate::state::{FactorPoint, State};
@@ -48,24 +49,25 @@ impl<P: Problem> Integrator<P> {
         let c = self.coefficients;
         let (old, next) = (&self.state, &mut self.work.next);
         let n = old.v.len();
-        let (v, a, a_alg) = (&old.v[..n], &old.a[..n], &old.a_alg[..n]);
-        let (v1, a1) = (&mut next.v[..n], &mut next.a[..n]);
-        let flat = self.problem.is_flat();
-        let moved = if flat { &mut next.q[..n] } else { &mut self.work.delta[..n] };
         let (ca, cm) = (1.0 / (1.0 - c.alpha_m), c.alpha_m / (1.0 - c.alpha_m));
         let (q_old, q_new) = (h * h * (0.5 - c.beta), h * h * c.beta);
         let (v_old, v_new) = (h * (1.0 - c.gamma), h * c.gamma);
-        for i in 0..n {
-            let guess = ca * a[i] - cm * a_alg[i];
-            moved[i] = h * v[i] + (q_old * a_alg[i] + q_new * guess);
-            v1[i] = v[i] + (v_old * a_alg[i] + v_new * guess);
-            a1[i] = a[i];
-        }
-        if flat {
-            for (new, old) in next.q.iter_mut().zip(&old.q) {
-                *new += old;
+        let flat = self.problem.is_flat();
+        let moved = if flat { &mut next.q } else { &mut self.work.delta };
+        vectorised(|| {
+            // Lengths known inside the pass let the compiler drop all checks of indices.
+            let (v, a, a_alg) = (&old.v[..n], &old.a[..n], &old.a_alg[..n]);
+            let (v1, a1) = (&mut next.v[..n], &mut next.a[..n]);
+            let moved = &mut moved[..n];
+            let q = if flat { &old.q[..n] } else { &self.work.zero[..n] };
+            for i in 0..n {
+                let guess = ca * a[i] - cm * a_alg[i];
+                moved[i] = q[i] + (h * v[i] + (q_old * a_alg[i] + q_new * guess));
+                v1[i] = v[i] + (v_old * a_alg[i] + v_new * guess);
+                a1[i] = a[i];
             }
-        } else {
+        });
+        if !flat {
             self.problem.retract(&old.q, &self.work.delta, &mut next.q);
         }
         next.lambda_.copy_from_slice(&old.lambda_);
@@ -118,11 +120,13 @@ impl<P: Problem> Integrator<P> {
             .map_err(|source| Error::Evaluation { t: next.t, source })?;
         let norm = weighted_max(phi, &self.work.inverse_constraint_scale);
         let scale = -self.coefficients.beta * h * h;
-        let mut size = 0;
-        for f in force {
-            size = size.max(magnitude(*f));
-            *f *= scale;
-        }
+        let size = vectorised(|| {
+            force.iter_mut().fold(0, |size, f| {
+                let here = magnitude(*f);
+                *f *= scale;
+                here.max(size)
+            })
+        });
         for p in phi {
             *p = -*p;
         }
@@ -140,17 +144,22 @@ impl<P: Problem> Integrator<P> {
         let next = &mut self.work.next;
         let n = next.v.len();
         let (dq, dl) = self.work.x.split_at(n);
-        let weight = &self.work.inverse_scale[..n];
+        let weight = &self.work.inverse_scale;
         let flat = self.problem.is_flat();
-        let moved = if flat { &mut next.q[..n] } else { &mut self.work.delta[..n] };
-        let a = &mut next.a[..n];
+        let moved = if flat { &mut next.q } else { &mut self.work.delta };
+        let a = &mut next.a;
         let rate = c.acceleration_rate(h);
-        let mut size = 0;
-        for i in 0..n {
-            moved[i] += dq[i];
-            a[i] += rate * dq[i];
-            size = size.max(magnitude(dq[i] * weight[i]));
-        }
+        let size = vectorised(|| {
+            let (dq, weight) = (&dq[..n], &weight[..n]);
+            let (moved, a) = (&mut moved[..n], &mut a[..n]);
+            let mut size = 0;
+            for i in 0..n {
+                moved[i] += dq[i];
+                a[i] += rate * dq[i];
+                size = magnitude(dq[i] * weight[i]).max(size);
+            }
+            size
+        });
         if self.problem.has_damping() {
             let rate = c.velocity_rate(h);
             for (v, d) in next.v.iter_mut().zip(dq) {
@@ -172,19 +181,18 @@ impl<P: Problem> Integrator<P> {
         let c = self.coefficients;
         let (old, next) = (&mut self.state, &mut self.work.next);
         let n = old.v.len();
-        {
+        let inverse = 1.0 / (1.0 - c.alpha_m);
+        let (c1, c0, cm) = ((1.0 - c.alpha_f) * inverse, c.alpha_f * inverse, c.alpha_m * inverse);
+        let (v_old, v_new) = (h * (1.0 - c.gamma), h * c.gamma);
+        vectorised(|| {
             let (v, a, a_alg) = (&old.v[..n], &old.a[..n], &old.a_alg[..n]);
             let (v1, a1, a1_alg) = (&mut next.v[..n], &next.a[..n], &mut next.a_alg[..n]);
-            let inverse = 1.0 / (1.0 - c.alpha_m);
-            let (c1, c0, cm) =
-                ((1.0 - c.alpha_f) * inverse, c.alpha_f * inverse, c.alpha_m * inverse);
-            let (v_old, v_new) = (h * (1.0 - c.gamma), h * c.gamma);
             for i in 0..n {
                 let new = c1 * a1[i] + (c0 * a[i] - cm * a_alg[i]);
                 v1[i] = v[i] + (v_old * a_alg[i] + v_new * new);
                 a1_alg[i] = new;
             }
-        }
+        });
         self.problem.accept(old.point(), next.point());
         swap(&mut old.a_previous, &mut old.a);
         swap(&mut old.a, &mut next.a);

@@ -12,6 +12,7 @@ mod integrator;
 pub mod linear_solver;
 pub mod modes;
 pub mod newton;
+mod passes;
 pub mod problem;
 mod scaling;
 pub mod sensitivity;

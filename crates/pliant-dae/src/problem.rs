@@ -83,6 +83,12 @@ pub trait Problem: Send {
     /// Whether forces depend on velocities (else the integrator leaves `v` stale inside Newton).
     fn has_damping(&self) -> bool;
 
+    /// Whether forces at rest derive from a potential (not those that turn with the motion): only then do minima of
+    /// the energy tell which equilibria are stable.
+    fn has_potential(&self) -> bool {
+        true
+    }
+
     /// `force = M a + f + phi_q^T lambda_`, `phi`; both overwritten.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! Dimensionless norms.
 
+use crate::passes::vectorised;
+
 /// Absolute value as an integer: the order of the bits of non-negative floats is their order as numbers, with NaN
 /// above infinity, so that a maximum over bits is associative and never loses a NaN.
 #[inline(always)]
@@ -9,12 +11,13 @@ pub(crate) fn magnitude(x: f64) -> u64 {
 
 /// `max |x_i| weight_i`; not finite if any of them is not.
 pub(crate) fn weighted_max(x: &[f64], weight: &[f64]) -> f64 {
-    f64::from_bits(x.iter().zip(weight).fold(0, |m, (x, w)| m.max(magnitude(x * w))))
+    let max = || x.iter().zip(weight).fold(0, |m, (x, w)| magnitude(x * w).max(m));
+    f64::from_bits(vectorised(max))
 }
 
 /// `max |x_i|`; not finite if any of them is not.
 pub(crate) fn largest(x: &[f64]) -> f64 {
-    f64::from_bits(x.iter().fold(0, |m, &x| m.max(magnitude(x))))
+    f64::from_bits(vectorised(|| x.iter().fold(0, |m, &x| magnitude(x).max(m))))
 }
 
 /// Number of the first entry of largest weighted size (NaN above all).

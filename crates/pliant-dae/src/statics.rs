@@ -3,13 +3,20 @@
 //! Newton's method with the full tangent, damped by the natural monotonicity test (Deuflhard 2004, algorithm
 //! NLEQ-ERR): a trial is judged by the correction that the present factorisation asks for there. Unlike a norm
 //! of forces this is independent of units and of stiffness ratios: it lets a slender part bend, although that
-//! first stretches it. Where the tangent is singular or indefinite far from equilibrium (a slack line), a mass term
-//! that fades with the residual keeps it regular (pseudo-transient continuation, Kelley & Keyes 1998).
+//! first stretches it.
+//!
+//! Newton's method finds equilibria of any kind. Where it fails (a slack line), or finds one that is unstable (a
+//! straight rope under compression), the search goes on by the flow of steepest descent `M dq/dtau = -f` from
+//! there, in implicit steps that grow as it settles (pseudo-transient continuation, Kelley & Keyes 1998).
+
+mod descent;
+mod stability;
 
 use crate::error::{Error, Failure, check_length};
 use crate::linear_solver::LinearSolver;
 use crate::problem::{Point, Problem, Weights};
 use crate::scaling::{first_not_finite, inverse, largest, weighted_max, worst};
+use stability::Stability;
 
 /// Controls of the search for equilibria.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +34,8 @@ pub struct StaticOptions {
     pub max_increment: f64,
     /// Iterations for each load increment.
     pub max_iterations: usize,
+    /// Leave unstable equilibria for stable ones.
+    pub stable: bool,
 }
 
 impl Default for StaticOptions {
@@ -38,6 +47,7 @@ impl Default for StaticOptions {
             tolerance: 1e-12,
             max_increment: 0.5,
             max_iterations: 100,
+            stable: true,
         }
     }
 }
@@ -55,6 +65,8 @@ pub struct StaticPoint {
     pub iterations: usize,
     /// Size of the last increment, in units of the scale: the accuracy reached.
     pub last_increment: f64,
+    /// Whether no motion lowers the energy; none where forces have no potential.
+    pub stable: Option<bool>,
 }
 
 /// Load increments are cut down to this part of the nominal one.
@@ -63,6 +75,8 @@ const SMALLEST_CUT: f64 = 1.0 / 1024.0;
 const SMALLEST_DAMPING: f64 = 1e-4;
 /// Increments that stagnate below this many tolerances are rounding noise.
 const NOISE: f64 = 1e5;
+/// Unstable equilibria left, one after the other, before the search is given up.
+const ESCAPES: usize = 8;
 /// A null vector is a motion that changes forces by less than this part of what its size could.
 const SINGULAR: f64 = 1e-13;
 
@@ -127,9 +141,26 @@ struct Search<'a, P: ?Sized> {
     values: Vec<f64>,
 }
 
+/// Where the iteration stands, and how far it moved since the flow's last step.
+#[derive(Clone, Debug)]
+struct Place {
+    q: Vec<f64>,
+    lambda_: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+/// What Newton's method is asked for.
+#[derive(Clone, Copy, Debug)]
+struct Goal {
+    /// Factor of the mass term.
+    mu: f64,
+    tolerance: f64,
+    iterations: usize,
+}
+
 /// How an iteration ended.
 enum Outcome {
-    Equilibrium { last_increment: f64 },
+    Equilibrium { last_increment: f64, iterations: usize },
     Failed(Error),
 }
 
@@ -153,7 +184,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         }
     }
 
-    /// Newton's method; if it fails, once more with a fading mass term, and Newton's method again from there.
+    /// Newton's method, with the flow's help if it fails; then away from there as long as that is unstable.
     fn equilibrium(
         &mut self,
         load: f64,
@@ -162,46 +193,77 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         lambda_: &[f64],
     ) -> Result<StaticPoint, Error> {
         self.measure_forces(load, q, lambda_);
-        let mut increments = Vec::new();
-        let (mut q1, mut lambda1) = (q.to_vec(), lambda_.to_vec());
-        let mut outcome = self.newton(load, step, &mut q1, &mut lambda1, &mut increments)?;
+        let n = self.zero.len();
+        let start = Place { q: q.to_vec(), lambda_: lambda_.to_vec(), moved: vec![0.0; n] };
+        let mut place = start.clone();
+        let mut iterations = 0;
+        let mut outcome = self.newton(load, step, &mut place, self.exact())?;
         if matches!(outcome, Outcome::Failed(_)) {
-            q1.copy_from_slice(q);
-            lambda1.copy_from_slice(lambda_);
-            self.relax(load, &mut q1, &mut lambda1)?;
-            increments.clear();
-            outcome = self.newton(load, step, &mut q1, &mut lambda1, &mut increments)?;
+            place = start;
+            self.descend(load, step, &mut place, None)?;
+            outcome = self.newton(load, step, &mut place, self.exact())?;
         }
-        match outcome {
-            Outcome::Failed(error) => Err(error),
-            Outcome::Equilibrium { last_increment } => Ok(StaticPoint {
-                load,
-                q: q1,
-                lambda_: lambda1,
-                iterations: increments.len(),
-                last_increment,
-            }),
+        for _ in 0..ESCAPES {
+            let last_increment = match outcome {
+                Outcome::Failed(error) => return Err(error),
+                Outcome::Equilibrium { last_increment, iterations: more } => {
+                    iterations += more;
+                    last_increment
+                }
+            };
+            let (x, curvature) = match self.stability(load, &place)? {
+                Stability::Unstable { x, curvature } if self.options.stable => (x, curvature),
+                other => {
+                    let stable = match other {
+                        Stability::Stable => Some(true),
+                        Stability::Unstable { .. } => Some(false),
+                        Stability::Unknown => None,
+                    };
+                    let Place { q, lambda_, .. } = place;
+                    return Ok(StaticPoint {
+                        load,
+                        q,
+                        lambda_,
+                        iterations,
+                        last_increment,
+                        stable,
+                    });
+                }
+            };
+            self.leave(load, &mut place, &x)?;
+            self.descend(load, step, &mut place, Some(-curvature))?;
+            outcome = self.newton(load, step, &mut place, self.exact())?;
         }
+        let unknown = match self.stability(load, &place)? {
+            Stability::Unstable { x, .. } => worst(&x, &self.inverse_scale),
+            _ => 0,
+        };
+        Err(Error::Unstable { t: load, unknown, name: self.problem.describe(unknown) })
     }
 
-    /// Damped Newton's method (NLEQ-ERR); errors are those that no other method would cure.
+    /// Newton's method down to rounding, without a mass term.
+    fn exact(&self) -> Goal {
+        Goal { mu: 0.0, tolerance: self.options.tolerance, iterations: self.options.max_iterations }
+    }
+
+    /// Damped Newton's method (NLEQ-ERR) for `f + mu M moved = 0`; errors are those that no other method would cure.
     fn newton(
         &mut self,
         load: f64,
         step: f64,
-        q: &mut Vec<f64>,
-        lambda_: &mut Vec<f64>,
-        increments: &mut Vec<f64>,
+        place: &mut Place,
+        goal: Goal,
     ) -> Result<Outcome, Error> {
         let n = self.zero.len();
-        let (mut trial_q, mut trial_lambda) = (q.clone(), lambda_.clone());
+        let mut increments: Vec<f64> = Vec::new();
+        let mut trial = place.clone();
         let mut worst_unknown = 0;
         let mut damping = 1.0_f64;
-        while increments.len() < self.options.max_iterations {
+        while increments.len() < goal.iterations {
             if (self.poll)() {
                 return Err(Error::Interrupted { t: load });
             }
-            let mut dx = match self.correction(load, q, lambda_, 0.0) {
+            let dx = match self.correction(load, place, goal.mu) {
                 Ok(dx) => dx,
                 Err(error) if error.is_recoverable() => return Ok(Outcome::Failed(error)),
                 Err(error) => return Err(error),
@@ -211,18 +273,18 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             let previous = increments.last().copied().unwrap_or(f64::INFINITY);
             increments.push(size);
             let noise = size > 0.5 * previous && size <= NOISE * self.options.tolerance;
-            if size <= self.options.tolerance || noise {
-                self.add(q, lambda_, &dx, 1.0);
-                return Ok(Outcome::Equilibrium { last_increment: size });
+            if size <= goal.tolerance || noise {
+                self.add(place, &dx, 1.0);
+                let iterations = increments.len();
+                return Ok(Outcome::Equilibrium { last_increment: size, iterations });
             }
             let longest = (self.options.max_increment / size).min(1.0);
             damping = (4.0 * damping).min(longest);
             loop {
-                trial_q.copy_from_slice(q);
-                trial_lambda.copy_from_slice(lambda_);
-                self.add(&mut trial_q, &mut trial_lambda, &dx, damping);
+                trial.clone_from(place);
+                self.add(&mut trial, &dx, damping);
                 // The correction asked for at the trial point, by the same matrix.
-                let next = self.right_hand_side(load, &trial_q, &trial_lambda).map(|mut r| {
+                let next = self.right_hand_side(load, &trial, goal.mu).map(|mut r| {
                     self.solver.solve(&mut r);
                     weighted_max(&r[..n], &self.inverse_scale)
                 });
@@ -233,73 +295,26 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
                     _ => damping *= 0.5,
                 }
                 if damping < SMALLEST_DAMPING * longest {
-                    return Ok(Outcome::Failed(self.failure(
-                        load,
-                        step,
-                        increments,
-                        worst_unknown,
-                    )));
+                    let failure = self.failure(load, step, &increments, worst_unknown);
+                    return Ok(Outcome::Failed(failure));
                 }
             }
-            std::mem::swap(q, &mut trial_q);
-            std::mem::swap(lambda_, &mut trial_lambda);
-            dx.clear();
+            std::mem::swap(place, &mut trial);
         }
-        Ok(Outcome::Failed(self.failure(load, step, increments, worst_unknown)))
-    }
-
-    /// Follows `M dq/dtau = -f` by implicit steps that grow as the force falls, until Newton's method may work.
-    fn relax(&mut self, load: f64, q: &mut [f64], lambda_: &mut [f64]) -> Result<(), Error> {
-        let n = self.zero.len();
-        let mass = self.largest_value(load, q, lambda_, WEIGHTS_MASS);
-        let mut mu = if mass > 0.0 { 1.0 / (self.force_scale * mass) } else { 0.0 };
-        let smallest = 1e-12 * mu;
-        for _ in 0..5 * self.options.max_iterations {
-            if (self.poll)() {
-                return Err(Error::Interrupted { t: load });
-            }
-            let dx = match self.correction(load, q, lambda_, mu) {
-                Ok(dx) => dx,
-                Err(error) if error.is_recoverable() => {
-                    mu *= 4.0;
-                    continue;
-                }
-                Err(error) => return Err(error),
-            };
-            let size = weighted_max(&dx[..n], &self.inverse_scale);
-            let longest = 0.2 * self.options.max_increment;
-            self.add(q, lambda_, &dx, (longest / size).min(1.0));
-            // Short moves allow longer pseudo-times; long ones ask for shorter.
-            mu *= if size < 0.25 * longest {
-                0.3
-            } else if size < longest {
-                0.7
-            } else {
-                2.0
-            };
-            if mu < smallest {
-                break;
-            }
-        }
-        Ok(())
+        Ok(Outcome::Failed(self.failure(load, step, &increments, worst_unknown)))
     }
 
     /// Newton's increment `(dq, force_scale dlambda)` with a mass term `mu M`; its matrix stays factorised.
-    fn correction(
-        &mut self,
-        load: f64,
-        q: &[f64],
-        lambda_: &[f64],
-        mu: f64,
-    ) -> Result<Vec<f64>, Error> {
-        let mut x = self.right_hand_side(load, q, lambda_)?;
+    fn correction(&mut self, load: f64, place: &Place, mu: f64) -> Result<Vec<f64>, Error> {
+        let mut x = self.right_hand_side(load, place, mu)?;
         let weights = Weights {
             mass: mu * self.force_scale,
             damping: 0.0,
             stiffness: self.force_scale,
             jacobian: 1.0,
         };
-        let at = Point { t: load, q, v: &self.zero, a: &self.zero, lambda_ };
+        let at =
+            Point { t: load, q: &place.q, v: &self.zero, a: &self.zero, lambda_: &place.lambda_ };
         self.problem.tangent(at, weights, &mut self.values);
         self.solver
             .factor(self.problem.structure(), &self.values)
@@ -313,24 +328,18 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         }
     }
 
-    /// `-(force_scale force, phi)`.
-    fn right_hand_side(
-        &mut self,
-        load: f64,
-        q: &[f64],
-        lambda_: &[f64],
-    ) -> Result<Vec<f64>, Error> {
+    /// `-(force_scale (force + mu M moved), phi)`: the mass term is the force of inertia at `a = mu moved`.
+    fn right_hand_side(&mut self, load: f64, place: &Place, mu: f64) -> Result<Vec<f64>, Error> {
         let n = self.zero.len();
-        let mut x = vec![0.0; n + lambda_.len()];
+        let mut x = vec![0.0; n + place.lambda_.len()];
         let (force, phi) = x.split_at_mut(n);
-        let at = Point { t: load, q, v: &self.zero, a: &self.zero, lambda_ };
+        let a: Vec<f64> = place.moved.iter().map(|x| mu * x).collect();
+        let at = Point { t: load, q: &place.q, v: &self.zero, a: &a, lambda_: &place.lambda_ };
         self.problem
             .residual(at, force, phi)
             .map_err(|source| Error::Evaluation { t: load, source })?;
         if let Some(unknown) = first_not_finite(&x) {
-            let mut failure = self.describe(load, 0.0, &[], unknown);
-            failure.h = 0.0;
-            return Err(Error::NotFinite(Box::new(failure)));
+            return Err(Error::NotFinite(Box::new(self.describe(load, 0.0, &[], unknown))));
         }
         for f in &mut x[..n] {
             *f *= -self.force_scale;
@@ -341,13 +350,16 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         Ok(x)
     }
 
-    fn add(&self, q: &mut [f64], lambda_: &mut [f64], dx: &[f64], factor: f64) {
+    fn add(&self, place: &mut Place, dx: &[f64], factor: f64) {
         let n = self.zero.len();
         let dq: Vec<f64> = dx[..n].iter().map(|d| factor * d).collect();
-        let from = q.to_vec();
-        self.problem.retract(&from, &dq, q);
-        for (l, d) in lambda_.iter_mut().zip(&dx[n..]) {
+        let from = place.q.clone();
+        self.problem.retract(&from, &dq, &mut place.q);
+        for (l, d) in place.lambda_.iter_mut().zip(&dx[n..]) {
             *l += factor * d / self.force_scale;
+        }
+        for (m, d) in place.moved.iter_mut().zip(&dq) {
+            *m += d;
         }
     }
 
@@ -380,7 +392,8 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
     /// The unknown that moves most in a null vector of the tangent, by two inverse iterations.
     fn null_unknown(&mut self, load: f64, q: &[f64], lambda_: &[f64]) -> Option<usize> {
         let n = self.zero.len();
-        match self.correction(load, q, lambda_, 0.0) {
+        let place = Place { q: q.to_vec(), lambda_: lambda_.to_vec(), moved: vec![0.0; n] };
+        match self.correction(load, &place, 0.0) {
             Err(Error::Singular { unknown, .. }) => return Some(unknown),
             Err(_) => return None,
             Ok(_) => {}

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use crate::element::{Block, Momentum, Motion, Slot, Weights, Workspace};
 use crate::elements::cable::{CableLaw, FixedLaw, LawSource, NodeOffsets, place};
 
+pub(crate) use lanes::ResidualRows;
 use lanes::Sums;
 pub use scalar::Parameter;
 
@@ -137,7 +138,8 @@ impl CableBlock {
                 |(task, sums)| {
                     let first = task * CHUNKS_PER_TASK;
                     let chunks = first..first + sums.len() / CHUNK_SUMS;
-                    lanes::residual(self, law, motion, gravity, chunks, Sums::Buffer(sums));
+                    let rows = &mut ResidualRows::default();
+                    lanes::residual(self, law, motion, gravity, chunks, rows, Sums::Buffer(sums));
                 },
             );
             let mut carry = [0.0; 6];
@@ -147,7 +149,8 @@ impl CableBlock {
             self.add_to_last(carry, force);
         } else {
             let chunks = 0..self.chunks();
-            lanes::residual(self, law, motion, gravity, chunks, Sums::Global(force));
+            let rows = workspace.rows.get_or_insert_default();
+            lanes::residual(self, law, motion, gravity, chunks, rows, Sums::Global(force));
         }
     }
 

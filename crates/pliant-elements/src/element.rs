@@ -3,6 +3,8 @@
 //! An element is a set of pure functions of its nodal coordinates: energy, force, tangent, mass. Elements of one kind
 //! and one law form a [`Block`]. Local coordinates are the nodes' coordinates in the order of the nodes.
 
+use crate::block::ResidualRows;
+
 /// Positions, velocities and accelerations of the whole system.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
@@ -44,10 +46,11 @@ pub struct Momentum {
     pub angular: [f64; 3],
 }
 
-/// Scratch of the parallel residual; may be shared by blocks that are evaluated one after the other.
+/// Scratch of the residual; may be shared by blocks that are evaluated one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub(crate) sums: Vec<f64>,
+    pub(crate) rows: Option<Box<ResidualRows>>,
 }
 
 /// A block of elements of one kind and one law.

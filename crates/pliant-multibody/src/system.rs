@@ -305,6 +305,11 @@ impl Problem for System {
         &self.model.constraint_scale
     }
 
+    /// Follower forces and moments have none.
+    fn has_potential(&self) -> bool {
+        self.model.loads.iter().all(|l| l.load.support().is_none())
+    }
+
     fn has_damping(&self) -> bool {
         self.model.blocks.iter().any(|b| b.block.has_damping())
     }

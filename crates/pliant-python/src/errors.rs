@@ -40,7 +40,7 @@ fn details<'py>(py: Python<'py>, error: &Error) -> PyResult<Bound<'py, PyDict>> 
             dict.set_item("residuals", failure.increments.clone())?;
             dict.set_item("unknown", &failure.name)?;
         }
-        Error::Singular { t, name, .. } => {
+        Error::Singular { t, name, .. } | Error::Unstable { t, name, .. } => {
             dict.set_item("time", t)?;
             dict.set_item("unknown", name)?;
         }

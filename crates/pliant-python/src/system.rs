@@ -178,12 +178,13 @@ impl PySystem {
         Ok(PyIntegrator { run: Mutex::new(run), failure, sizes: self.sizes(), projection })
     }
 
-    #[pyo3(signature = (*, load_steps = 1, tolerance = None, q = None, inputs = None, poll = None))]
+    #[pyo3(signature = (*, load_steps = 1, tolerance = None, stable = true, q = None, inputs = None, poll = None))]
     fn solve_static<'py>(
         &self,
         py: Python<'py>,
         load_steps: usize,
         tolerance: Option<f64>,
+        stable: bool,
         q: Option<Row<'py>>,
         inputs: Option<Py<PyAny>>,
         poll: Option<Py<PyAny>>,
@@ -208,10 +209,12 @@ impl PySystem {
                 }
             })
         };
-        let options = StaticOptions { load_steps, tolerance };
+        let options = StaticOptions { load_steps, tolerance, stable };
         let (path, outcome) =
             py.detach(|| solve::statics(&self.model, &options, q.as_deref(), callback, &mut poll));
-        let path = records(py, path, self.sizes())?;
+        let unstable = PyArray1::from_vec(py, path.unstable);
+        let path = records(py, path.records, self.sizes())?;
+        path.set_item("unstable", unstable)?;
         match outcome {
             Ok(()) => Ok(path),
             Err(error) => {

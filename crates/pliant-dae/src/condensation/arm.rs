@@ -2,12 +2,15 @@
 
 use super::block::{
     Block, Lanes, N, PLAIN, Row, Wide, ZERO, add_part, combine, invert, invert_pivoted,
-    minus_transposed_product, pick, product, transpose, transposed_product,
+    minus_transposed_product, multiply, pick, product, transpose, transposed_product,
 };
 use super::cap::Cap;
 use super::graph::Path;
 use crate::structure::{Slot, Structure};
 use pulp::{Simd, WithSimd};
+
+/// Arms of at least this number of nodes do not stay in the cache between sweeps.
+const LONG: usize = 1000;
 
 /// The matrix of the element between a node and the next one inwards.
 #[derive(Clone, Copy, Debug)]
@@ -48,9 +51,12 @@ pub(super) struct Carry {
 /// Factors of all nodes, for solving with the matrix (or with its transpose).
 #[derive(Default)]
 struct Factors {
-    /// Columns of D^-1 and rows of the forward factor.
-    inward: Vec<[Block; 2]>,
-    /// Columns of `W = D^-1 C`.
+    /// Columns of D^-1.
+    inverse: Vec<Block>,
+    /// Rows of the forward factor.
+    forward: Vec<Block>,
+    /// Columns of `W = D^-1 C`; empty in long symmetric arms, where another array in memory costs more than to
+    /// multiply by the rows.
     outward: Vec<Block>,
     /// For each node and interface unknown, a row to gather the interface's share with.
     gather: Vec<Row>,
@@ -115,8 +121,9 @@ impl Arm {
         let factors = |used: bool| {
             let n = if used { n } else { 0 };
             Factors {
-                inward: vec![[ZERO; 2]; n],
-                outward: vec![ZERO; n],
+                inverse: vec![ZERO; n],
+                forward: vec![ZERO; n],
+                outward: vec![ZERO; if symmetric && n >= LONG { 0 } else { n }],
                 gather: vec![Row::default(); n * width],
                 spread: vec![Row::default(); n * width],
             }
@@ -230,8 +237,11 @@ impl Arm {
         let [plain, transposed] = &mut self.sides;
         if SYMMETRIC {
             carry.diagonal = minus_transposed_product(l, &next, &coupling, &w);
-            plain.inward[k] = [inverse, w];
-            plain.outward[k] = transposed_product(l, &coupling, &inverse);
+            plain.inverse[k] = inverse;
+            plain.forward[k] = w;
+            if let Some(columns) = plain.outward.get_mut(k) {
+                *columns = transposed_product(l, &coupling, &inverse);
+            }
             if self.width > 0 {
                 self.extend(l, k, &inverse, &coupling);
             }
@@ -240,9 +250,11 @@ impl Arm {
             let inverse_columns = transpose(&inverse);
             let x = product(l, &inverse_columns, &back);
             carry.diagonal = minus_transposed_product(l, &next, &back, &w);
-            plain.inward[k] = [inverse_columns, x];
+            plain.inverse[k] = inverse_columns;
+            plain.forward[k] = x;
             plain.outward[k] = transpose(&w);
-            transposed.inward[k] = [inverse, w];
+            transposed.inverse[k] = inverse;
+            transposed.forward[k] = w;
             transposed.outward[k] = transpose(&x);
             if self.width > 0 {
                 self.extend_both(l, k, &inverse, &coupling, &back);
@@ -348,9 +360,8 @@ impl Arm {
     fn inward<L: Lanes>(&mut self, l: L, carry: &mut Row, k: usize, b: &[f64], side: usize) {
         let y = Row::load(&b[self.nodes[k] as usize..]).minus(l, carry);
         let factors = &self.sides[side];
-        let [inverse, forward] = &factors.inward[k];
-        *carry = combine(l, forward, &y);
-        self.z[k] = combine(l, inverse, &y);
+        *carry = combine(l, &factors.forward[k], &y);
+        self.z[k] = combine(l, &factors.inverse[k], &y);
         let m = self.width;
         if m > 0 {
             let rows = if self.symmetric { &factors.spread } else { &factors.gather };
@@ -371,7 +382,11 @@ impl Arm {
                 z.add(l, -x, row);
             }
         }
-        *x = z.minus(l, &combine(l, &factors.outward[k], x));
+        let wx = match factors.outward.get(k) {
+            Some(columns) => combine(l, columns, x),
+            None => multiply(l, &factors.forward[k], x),
+        };
+        *x = z.minus(l, &wx);
         self.z[k] = *x;
     }
 

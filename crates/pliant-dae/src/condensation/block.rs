@@ -150,6 +150,17 @@ pub(super) fn combine<L: Lanes>(l: L, rows: &Block, x: &Row) -> Row {
     l.store(combined(l, rows, |i| x.0[i]))
 }
 
+/// `rows x`: slower than [`combine`] by the sums along rows.
+#[inline(always)]
+pub(super) fn multiply<L: Lanes>(l: L, rows: &Block, x: &Row) -> Row {
+    let x = l.load(x);
+    let mut products = ZERO;
+    for i in 0..N {
+        products[i] = l.store(l.multiply(l.load(&rows[i]), x));
+    }
+    row_of(|i| products[i].sum())
+}
+
 /// `a b`.
 #[inline(always)]
 pub(super) fn product<L: Lanes>(l: L, a: &Block, b: &Block) -> Block {
@@ -322,11 +333,12 @@ pub(super) fn pick<const STRIDE: usize, const SWAPPED: bool>(
         v[STRIDE * (i * (i + 1) / 2 + j)]
     };
     let (here, there) = if SWAPPED { (N, 0) } else { (0, N) };
-    let mut parts = [ZERO; 3];
+    // One by one: an array of three would be cleared by a call.
+    let (mut own, mut coupling, mut next) = (ZERO, ZERO, ZERO);
     for i in 0..N {
-        parts[0][i] = row_of(|j| diagonal[i].0[j] + entry(here + i, here + j));
-        parts[1][i] = row_of(|j| entry(here + i, there + j));
-        parts[2][i] = row_of(|j| entry(there + i, there + j));
+        own[i] = row_of(|j| diagonal[i].0[j] + entry(here + i, here + j));
+        coupling[i] = row_of(|j| entry(here + i, there + j));
+        next[i] = row_of(|j| entry(there + i, there + j));
     }
-    parts
+    [own, coupling, next]
 }

@@ -17,6 +17,22 @@ type Rows = [[f64; WIDTH]; 6];
 /// Twelve rows over the elements of a chunk: forces on the first node, then on the second.
 type ForceRows = [[f64; WIDTH]; 12];
 
+/// Scratch of a residual: it is kept between calls, for clearing it costs as much as fifteen elements.
+#[derive(Clone, Debug)]
+pub(crate) struct ResidualRows {
+    x: Rows,
+    a: Rows,
+    v: Rows,
+    f: ForceRows,
+}
+
+impl Default for ResidualRows {
+    fn default() -> Self {
+        let rows = [[0.0; WIDTH]; 6];
+        Self { x: rows, a: rows, v: rows, f: [[0.0; WIDTH]; 12] }
+    }
+}
+
 /// Nodes of a chunk.
 #[derive(Clone, Copy)]
 struct ChunkNodes<'a> {
@@ -144,9 +160,10 @@ pub(super) fn residual<L: LawSource>(
     motion: Motion<'_>,
     gravity: [f64; 3],
     chunks: Range<usize>,
+    rows: &mut ResidualRows,
     sums: Sums<'_>,
 ) {
-    Arch::new().dispatch(Residual { block, law, motion, gravity, chunks, sums });
+    Arch::new().dispatch(Residual { block, law, motion, gravity, chunks, rows, sums });
 }
 
 struct Residual<'a, L> {
@@ -155,6 +172,7 @@ struct Residual<'a, L> {
     motion: Motion<'a>,
     gravity: [f64; 3],
     chunks: Range<usize>,
+    rows: &'a mut ResidualRows,
     sums: Sums<'a>,
 }
 
@@ -164,10 +182,7 @@ impl<L: LawSource> WithSimd for Residual<'_, L> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let law = self.law.law();
-        let mut x: Rows = [[0.0; WIDTH]; 6];
-        let mut a = x;
-        let mut v = x;
-        let mut f: ForceRows = [[0.0; WIDTH]; 12];
+        let ResidualRows { x, a, v, f } = self.rows;
         let mut carry = [0.0; 6];
         let gravity = Vec3::new(
             Lanes::splat(simd, self.gravity[0]),
@@ -178,23 +193,23 @@ impl<L: LawSource> WithSimd for Residual<'_, L> {
         for chunk in self.chunks.clone() {
             let first = chunk * CHUNK;
             let (nodes, count) = self.block.chunk_nodes(first);
-            gather(nodes, self.motion.q, &mut x);
-            gather(nodes, self.motion.a, &mut a);
+            gather(nodes, self.motion.q, x);
+            gather(nodes, self.motion.a, a);
             if law.damped {
-                gather(nodes, self.motion.v, &mut v);
+                gather(nodes, self.motion.v, v);
             }
             let mut e = 0;
             while e < count {
                 let column = self.block.lane_column(simd, first + e);
                 let rates;
                 let rates = if law.damped {
-                    rates = nodal(simd, &v, e);
+                    rates = nodal(simd, v, e);
                     Some(&rates)
                 } else {
                     None
                 };
-                let internal = force(law, column, &nodal(simd, &x, e), rates);
-                let mut acceleration = nodal(simd, &a, e);
+                let internal = force(law, column, &nodal(simd, x, e), rates);
+                let mut acceleration = nodal(simd, a, e);
                 acceleration[0] = acceleration[0] - gravity;
                 acceleration[2] = acceleration[2] - gravity;
                 let inertial = inertia(column, &acceleration);
@@ -206,7 +221,7 @@ impl<L: LawSource> WithSimd for Residual<'_, L> {
                 }
                 e += S::F64_LANES;
             }
-            let [first_rows, second_rows] = halves(&mut f);
+            let [first_rows, second_rows] = halves(f);
             for c in 0..6 {
                 // Sum of a node: first node of its element, second node of the one before.
                 for i in 0..CHUNK - 1 {
@@ -219,7 +234,7 @@ impl<L: LawSource> WithSimd for Residual<'_, L> {
                         f[c][0] += carry[c];
                         carry[c] = f[6 + c][count - 1];
                     }
-                    scatter(nodes, count, &f, force);
+                    scatter(nodes, count, f, force);
                     if chunk + 1 == self.block.chunks() {
                         self.block.add_to_last(carry, force);
                     }
