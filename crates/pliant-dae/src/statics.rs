@@ -6,7 +6,7 @@
 //! first stretches it.
 //!
 //! Newton's method finds equilibria of any kind. Where it fails (a slack line), or finds one that is unstable (a
-//! straight rope under compression), the search goes on by the flow of steepest descent `M dq/dtau = -f` from
+//! straight bar under compression), the search goes on by the flow of steepest descent `M dq/dtau = -f` from
 //! there, in implicit steps that grow as it settles (pseudo-transient continuation, Kelley & Keyes 1998).
 
 mod descent;

@@ -66,6 +66,12 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .zip(&map.cables)
         .map(|(cable, cable_map)| cable_mass(cable, arrays, &cable_map.lengths))
         .collect::<Result<_, _>>()?;
+    let axial_energy = spec
+        .cables
+        .iter()
+        .zip(&map.cables)
+        .map(|(cable, cable_map)| axial_energy(cable, arrays, &cable_map.lengths))
+        .sum::<Result<_, _>>()?;
     let (joints, constraint_scale) = builder.joints(spec, length)?;
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
     Ok(Model {
@@ -73,6 +79,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         blocks,
         strands,
         cable_masses,
+        axial_energy,
         masses,
         joints,
         loads,
@@ -246,6 +253,13 @@ fn blocks(
         }
     }
     Ok((blocks, places))
+}
+
+/// Energy at a strain of one, EA times the length [J], as a measure of rounding in elastic energies.
+fn axial_energy(cable: &CableSpec, arrays: Arrays<'_>, lengths: &[f64]) -> Result<f64, ModelError> {
+    let samples = arrays.get(&cable.axial_stiffness, "axial_stiffness")?;
+    let largest = samples.iter().copied().fold(0.0, f64::max);
+    Ok(largest * lengths.iter().sum::<f64>())
 }
 
 /// Mass of a cable [kg].

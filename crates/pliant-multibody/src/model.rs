@@ -62,6 +62,8 @@ pub struct Model {
     pub(crate) strands: Vec<Vec<StrandPlace>>,
     /// Mass of each cable [kg].
     pub(crate) cable_masses: Vec<f64>,
+    /// Elastic energy of all cables at a strain of one [J].
+    pub(crate) axial_energy: f64,
     pub(crate) masses: Vec<Mass>,
     pub(crate) joints: Vec<PlacedJoint>,
     pub(crate) loads: Vec<PlacedLoad>,
