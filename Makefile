@@ -57,6 +57,7 @@ lint: setup ## formatting, clippy, ruff, mypy, floors
 bench: setup bench-exudyn ## speed: Rust kernels, scaling, import time, beside Exudyn
 	cargo bench
 	$(PY) benchmarks/import_time.py
+	$(PY) benchmarks/stepper.py
 	$(PY) benchmarks/scaling.py
 	$(PY) benchmarks/falling_pendulum.py --exudyn .venv-exudyn/bin/python
 

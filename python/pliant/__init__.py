@@ -23,8 +23,9 @@ from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass, RigidB
 from pliant.result import Result
 from pliant.sections import Circle, Rectangle, Section, Tube
 from pliant.shapes import Box, Capsule, Cylinder, Sphere
-from pliant.signals import Ramp, Table
-from pliant.simulation import Modes, simulate, solve_modes, solve_static
+from pliant.signals import Input, Ramp, Table
+from pliant.simulation import Modes, resume, simulate, simulate_many, solve_modes, solve_static
+from pliant.stepper import Stepper
 
 if TYPE_CHECKING:
     from pliant import scenes
@@ -39,6 +40,7 @@ __all__ = [
     "Curve",
     "Cylinder",
     "FileError",
+    "Input",
     "Joint",
     "LinearElastic",
     "Load",
@@ -54,10 +56,13 @@ __all__ = [
     "SaintVenantKirchhoff",
     "Section",
     "Sphere",
+    "Stepper",
     "Table",
     "Tube",
+    "resume",
     "scenes",
     "simulate",
+    "simulate_many",
     "solve_modes",
     "solve_static",
     "youngs_modulus_from_shore_a",

@@ -28,6 +28,7 @@ class Records(TypedDict):
     a: FloatArray  # (n, nv)
     lambda_: FloatArray  # (n, nl)
     energy: FloatArray  # (n, 5) kinetic, elastic, gravitational, dissipated, work [J]
+    inputs: FloatArray  # (n, inputs that are set from outside)
 
 class System:
     """A model made ready to compute with.
@@ -61,15 +62,17 @@ class System:
     def integrator(
         self,
         *,
-        step: float,
         spectral_radius: float,
         tolerance: float | None = None,
         threads: int = 1,
         q: FloatArray | None = None,
         v: FloatArray | None = None,
+        held: Sequence[float] = [],
         inputs: Callable[[float], FloatArray] | None = None,
+        saved: bytes | None = None,
     ) -> Integrator:
-        """Starts at ``q``, ``v`` (default: the document's), made consistent with the joints."""
+        """Starts at ``q``, ``v`` (default: the document's), made consistent with the joints, or continues
+        what was ``saved``. ``held`` are inputs set from outside, ``inputs`` gives those that follow."""
     def solve_static(
         self,
         *,
@@ -127,20 +130,37 @@ class Integrator:
     @property
     def projection(self) -> float:
         """Size of the correction that joints forced on the initial velocities [m/s]."""
-    def advance(self, steps: int, *, output_every: int = 1, seconds: float = 0.1) -> int:
-        """Takes up to ``steps`` steps, records every ``output_every``-th (counted from the start), stops
-        after about ``seconds`` of wall time; returns the number taken. The state of a failed step is the one
-        before it."""
+    @property
+    def steps(self) -> int:
+        """Steps since the start."""
+    def advance(
+        self,
+        steps: int,
+        step: float,
+        output_every: int = 0,
+        *,
+        end: float | None = None,
+        seconds: float = 0.1,
+    ) -> int:
+        """Takes up to ``steps`` steps, the last of which lands on the time ``end``, records every
+        ``output_every``-th (counted from the start), stops after about ``seconds`` of wall time; returns the
+        number taken. The state of a failed step is the one before it."""
+    def set_inputs(self, first: int, values: Sequence[float]) -> None:
+        """Sets inputs from number ``first`` on: they hold at the end of the next step."""
+    def save(self) -> bytes:
+        """Everything that a continuation with the same bits needs, beside model and options."""
+    def reset(self, saved: bytes) -> None:
+        """Goes to a saved state and forgets what was recorded."""
+    def record(self) -> None:
+        """Records the present state."""
+    def present(self) -> Records:
+        """The present state as one row."""
     def records(self) -> Records:
-        """What was recorded since the last call (the start included in the first)."""
+        """What was recorded since the last call."""
     @property
     def q(self) -> FloatArray: ...
     @property
     def v(self) -> FloatArray: ...
-    @property
-    def a(self) -> FloatArray: ...
-    @property
-    def lambda_(self) -> FloatArray: ...
     def statistics(self) -> dict[str, Any]:
         """``steps``, ``rejected``, ``newton_iterations``, ``factorizations`` and ``seconds`` by part."""
 

@@ -15,7 +15,7 @@ from pliant.loads import Force, LineLoad, Moment
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.shapes import SHAPES
-from pliant.signals import Combination, Constant, Function, LostFunction, Ramp, Table
+from pliant.signals import Combination, Constant, Function, Input, LostFunction, Ramp, Table
 
 VERSION = 1
 KINDS: Mapping[str, type[Any]] = {
@@ -34,6 +34,7 @@ KINDS: Mapping[str, type[Any]] = {
         Constant,
         Table,
         Ramp,
+        Input,
         Combination,
         LostFunction,
     )

@@ -6,7 +6,7 @@ import dataclasses
 import json
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -28,7 +28,8 @@ from pliant.joints import (
 from pliant.loads import Force, LineLoad, Moment
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
-from pliant.signals import Function
+from pliant.signals import Function, Signal
+from pliant.signals import Input as HeldInput
 from pliant.typing import FloatArray, Json
 
 if TYPE_CHECKING:
@@ -65,11 +66,12 @@ class BodyState(NamedTuple):
 
 @dataclass
 class Input:
-    """A callable among the inputs of a run."""
+    """A callable among the inputs of a run; None where it was lost in a file."""
 
     load: str
-    function: Function
+    function: Function | None
     first: int
+    size: int
 
 
 @dataclass
@@ -82,6 +84,8 @@ class Lowered:
         The core's document and the arrays beside it.
     inputs : list of Input
         Callables.
+    held : dict
+        First number and initial value of each :class:`pliant.Input`; all come before the callables.
     cables, shared, rigid : dict
         Number of the cable of each line body; of the shared point of each free mass; of each rigid body.
     plan : dict
@@ -92,6 +96,7 @@ class Lowered:
     document: Json
     arrays: list[FloatArray] = field(default_factory=list)
     inputs: list[Input] = field(default_factory=list)
+    held: dict[str, tuple[int, list[float]]] = field(default_factory=dict)
     cables: dict[str, int] = field(default_factory=dict)
     shared: dict[str, int] = field(default_factory=dict)
     rigid: dict[str, int] = field(default_factory=dict)
@@ -103,6 +108,17 @@ class Lowered:
     def spec(self) -> str:
         """The document as text."""
         return json.dumps(self.document)
+
+    @property
+    def held_values(self) -> FloatArray:
+        """Initial values of all inputs, one after the other."""
+        return np.array([x for _, initial in self.held.values() for x in initial])
+
+
+def signals_of(item: Any) -> list[Signal]:
+    """Signals among the fields of a load or joint."""
+    values = (getattr(item, entry.name) for entry in fields(item))
+    return [value for value in values if isinstance(value, Signal)]
 
 
 def initial_state(model: Model) -> dict[str, BodyState]:
@@ -141,6 +157,7 @@ class _Lowering:
 
     def run(self) -> Lowered:
         out = self.lowered
+        self._number_inputs()
         self._share()
         relocated = self._relocated()
         places, speeds = self._shared_points(relocated)
@@ -196,6 +213,21 @@ class _Lowering:
             if isinstance(joint, Hinge) and abs(tangent @ joint.axis) <= 1e-6:
                 return count - 1
         return count
+
+    def _number_inputs(self) -> None:
+        """Give numbers to the inputs that are set by name, before any callable asks for its own."""
+        held, first = self.lowered.held, 0
+        for item in [*self.model._joints.values(), *self.model._loads.values()]:
+            for given in (one for signal in signals_of(item) for one in signal.inputs()):
+                initial = given(0.0).tolist()
+                if given.name in held and held[given.name][1] != initial:
+                    raise ModelError(
+                        f"input '{given.name}' begins with {held[given.name][1]} in one load and with "
+                        f"{initial} in '{item.name}': give all the same initial value"
+                    )
+                if given.name not in held:
+                    held[given.name] = (first, initial)
+                    first += given.size
 
     # Points that share coordinates
 
@@ -466,10 +498,13 @@ class _Lowering:
         }
 
     def _load(self, load: Any) -> Json:
-        def register(function: Function) -> int:
-            inputs = self.lowered.inputs
-            first = inputs[-1].first + inputs[-1].function.size if inputs else 0
-            inputs.append(Input(load.name, function, first))
+        def register(signal: Function | HeldInput) -> int:
+            lowered = self.lowered
+            if isinstance(signal, HeldInput):
+                return lowered.held[signal.name][0]
+            last = lowered.inputs[-1] if lowered.inputs else None
+            first = last.first + last.size if last else len(lowered.held_values)
+            lowered.inputs.append(Input(load.name, signal, first, signal.size))
             return first
 
         value = load.value.document(register)

@@ -109,7 +109,7 @@ class Statistics:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """State of the bodies at one time: a start for another run."""
+    """State of the bodies at one time: a start for another run; ``saved`` is what a stepper goes back by."""
 
     model: Model
     bodies: Mapping[str, BodyState]
@@ -117,6 +117,19 @@ class State:
     time: float
     q: FloatArray
     lambda_: FloatArray
+    saved: bytes | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Callables of the model cannot be pickled, and a state needs only the bodies.
+        document = self.model.to_document(keep_functions=False)
+        rest = (dict(self.bodies), self.static, self.time, self.q, self.lambda_, self.saved)
+        return _restored_state, (document, *rest)
+
+
+def _restored_state(document: Any, *rest: Any) -> State:
+    from pliant.model import Model
+
+    return State(Model.from_document(document, "state"), *rest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +142,7 @@ class Records:
     a: FloatArray
     lambda_: FloatArray
     energy: FloatArray
+    inputs: FloatArray
 
 
 class Result:
@@ -316,13 +330,22 @@ class Result:
                     weight += float(shape[0] if first == node else shape[2] if first + 1 == node else 0.0)
             if weight != 0.0:
                 values = [
-                    scaled(load.value, float(t), float(f)) for t, f in zip(self.time, factor, strict=True)
+                    scaled(load.value, float(t), float(f), self._held(i))
+                    for i, (t, f) in enumerate(zip(self.time, factor, strict=True))
                 ]
                 total -= weight * np.array(values)
         if self.is_static:
             for name, node in inner:
                 total += self._node_mass(name, node) * (self.model.gravity - gravity)
         return total
+
+    def _held(self, i: int) -> dict[str, FloatArray]:
+        """Give the inputs at output i by name."""
+        rows = self._records.inputs
+        return {
+            name: rows[i, first : first + len(initial)] if rows.shape[1] else np.array(initial)
+            for name, (first, initial) in self._lowered.held.items()
+        }
 
     def _ends(self, name: str, node: int) -> list[tuple[int, int]]:
         """Elements that meet at a strand node, with the end (0 or 1) that lies there."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from pliant import _check
 from pliant.errors import ModelError
 from pliant.typing import ArrayLike, FloatArray, Json
 
-__all__ = ["Function", "Ramp", "Signal", "Table", "as_signal"]
+__all__ = ["Function", "Input", "Ramp", "Signal", "Table", "as_signal"]
 
 
 class Signal:
@@ -29,12 +29,16 @@ class Signal:
         """Value at time t [s], shape (size,)."""
         raise NotImplementedError
 
-    def document(self, register: Callable[[Function], int]) -> Json:
-        """Write the signal for the core; ``register`` numbers the callables."""
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
+        """Write the signal for the core; ``register`` numbers the callables and inputs."""
         raise NotImplementedError
 
     def functions(self) -> Iterator[Function]:
         """Callables inside."""
+        return iter(())
+
+    def inputs(self) -> Iterator[Input]:
+        """Every input inside."""
         return iter(())
 
     @property
@@ -88,7 +92,7 @@ class Constant(Signal):
         """Value at time t [s], shape (size,)."""
         return np.array(self.value)
 
-    def document(self, register: Callable[[Function], int]) -> Json:
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core."""
         return {"constant": list(self.value)}
 
@@ -122,7 +126,7 @@ class Function(Signal):
         """Callables inside."""
         yield self
 
-    def document(self, register: Callable[[Function], int]) -> Json:
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core."""
         return {"input": {"first": register(self), "size": self.components}}
 
@@ -224,7 +228,7 @@ class Table(Signal):
         linear: FloatArray = values[k] + x * (values[k + 1] - values[k])
         return linear
 
-    def document(self, register: Callable[[Function], int]) -> Json:
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core."""
         return {
             "table": {
@@ -267,9 +271,65 @@ class Ramp(Signal):
         x = min(max(t / self.duration, 0.0), 1.0)
         return np.array([x**3 * (10.0 + x * (6.0 * x - 15.0))])
 
-    def document(self, register: Callable[[Function], int]) -> Json:
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core."""
         return {"ramp": {"duration": self.duration}}
+
+
+@dataclass(frozen=True)
+class Input(Signal):
+    """A value that :meth:`pliant.Stepper.set_input` sets while the model runs, by its name.
+
+    Loads may share an input. Over the next step the value goes from what it was to what it was set to.
+
+    Parameters
+    ----------
+    name : str
+        Name for ``set_input``.
+    initial : float or array_like, shape (3,)
+        Value until it is set, in statics, and in modes.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> model = pl.Model()
+    >>> ball = model.add_point_mass(2.0, at=(0, 0, 0))
+    >>> push = model.add_force(ball, (1, 0, 0) * pl.Input("thrust"))
+    >>> stepper = pl.Stepper(model, step=0.1)
+    >>> stepper.set_input("thrust", 4.0)
+    >>> stepper.advance(10)
+    >>> print(f"{stepper.velocity(ball.center)[0]:.1f}")
+    1.9
+    """
+
+    name: str
+    initial: float | tuple[float, ...] = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", _check.text(self.name, "name"))
+        plain = (
+            _check.number(self.initial, "initial")
+            if np.ndim(self.initial) == 0
+            else tuple(_check.vector(self.initial, "initial").tolist())
+        )
+        object.__setattr__(self, "initial", plain)
+
+    @property
+    def size(self) -> int:
+        """Number of components."""
+        return int(np.size(self.initial))
+
+    def __call__(self, t: float) -> FloatArray:
+        """Value at time t [s], shape (size,): the initial one."""
+        return np.atleast_1d(np.asarray(self.initial, dtype=np.float64))
+
+    def inputs(self) -> Iterator[Input]:
+        """Every input inside."""
+        yield self
+
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
+        """Write the signal for the core."""
+        return {"input": {"first": register(self), "size": self.size}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,7 +370,12 @@ class Combination(Signal):
         for term in self.terms:
             yield from term.functions()
 
-    def document(self, register: Callable[[Function], int]) -> Json:
+    def inputs(self) -> Iterator[Input]:
+        """Every input inside."""
+        for term in self.terms:
+            yield from term.inputs()
+
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core."""
         return {self.operation: [term.document(register) for term in self.terms]}
 
@@ -332,7 +397,7 @@ class LostFunction(Signal):
             "a Python callable of this model was not kept in the file: add the load again before running"
         )
 
-    def document(self, register: Callable[[Function], int]) -> Json:
+    def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core."""
         self(0.0)
         raise AssertionError
@@ -343,12 +408,22 @@ def _combine(operation: str, left: object, right: object) -> Signal:
     return Constant(tuple(combined(0.0).tolist())) if combined.constant else combined
 
 
-def scaled(signal: Signal, t: float, factor: float) -> FloatArray:
-    """Value at time t with constants scaled by the load factor of statics, as the core evaluates it."""
-    if isinstance(signal, Combination) and signal.operation == "sum":
-        terms = [np.broadcast_to(scaled(term, t, factor), signal.size) for term in signal.terms]
-        return np.asarray(np.sum(terms, axis=0), dtype=np.float64)
-    return factor * signal(t) if signal.constant else signal(t)
+def scaled(signal: Signal, t: float, factor: float, held: Mapping[str, FloatArray]) -> FloatArray:
+    """Value at time t with constants scaled by the load factor of statics, as the core evaluates it.
+
+    ``held`` are the values of the inputs by name.
+    """
+    if isinstance(signal, Input):
+        return held[signal.name]
+    if not isinstance(signal, Combination):
+        return factor * signal(t) if signal.constant else signal(t)
+    if signal.constant:
+        return factor * signal(t)
+    # A constant factor scales a function of time; it is not itself a load to be scaled again.
+    inner = factor if signal.operation == "sum" else 1.0
+    terms = [np.broadcast_to(scaled(term, t, inner, held), signal.size) for term in signal.terms]
+    combine = np.sum if signal.operation == "sum" else np.prod
+    return np.asarray(combine(terms, axis=0), dtype=np.float64)
 
 
 def as_signal(value: Any, name: str, size: int | None = None) -> Signal:

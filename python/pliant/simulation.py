@@ -2,30 +2,40 @@
 
 from __future__ import annotations
 
-import math
 import os
-import sys
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import wait as wait_for
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from threading import Event
+from typing import Any
 
 import numpy as np
 
 from pliant import _check
-from pliant._lower import Lowered, lower
-from pliant.bodies import LineBody
+from pliant._plan import Plan
+from pliant._running import (
+    CallableInputs,
+    as_records,
+    build,
+    name_node,
+    progress_bar,
+    require_model,
+    start_vectors,
+    thread_count,
+)
+from pliant.checkpoints import read
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
 from pliant.points import Handle
 from pliant.result import Records, Result, State, Statistics, require_state
-from pliant.typing import FloatArray
+from pliant.stepper import Stepper
+from pliant.typing import ArrayLike, FloatArray
 
-if TYPE_CHECKING:
-    from pliant._core import Integrator, System
+__all__ = ["Modes", "resume", "simulate", "simulate_many", "solve_modes", "solve_static"]
 
-__all__ = ["Modes", "simulate", "solve_modes", "solve_static"]
+PathLike = str | os.PathLike[str]
 
 
 def simulate(
@@ -36,9 +46,12 @@ def simulate(
     start: Result | State | None = None,
     spectral_radius: float | None = None,
     output_every: int = 1,
+    output_times: ArrayLike | None = None,
+    on_step: Callable[[Stepper], object] | None = None,
     tolerance: float | None = None,
     threads: int | None = None,
     progress: bool | None = None,
+    checkpoint: PathLike | tuple[PathLike, float] | None = None,
 ) -> Result:
     """Integrate the motion of a model by generalized-alpha.
 
@@ -59,12 +72,21 @@ def simulate(
         Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
     output_every : int
         Keep every so manieth step; the last one is always kept.
+    output_times : array_like, shape (n,), optional
+        Keep exactly these times [s], ascending: the step between them is made a little smaller so that a
+        whole number of steps fits.
+    on_step : callable, optional
+        ``on_step(stepper)`` is called before each step with a :class:`pliant.Stepper`, to look and to set
+        inputs; the run ends when it returns True.
     tolerance : float, optional
         Newton's tolerance, relative to the size of the model.
     threads : int, optional
         Threads; the result does not depend on it.
     progress : bool, optional
         Show a progress bar; by default on a terminal.
+    checkpoint : str, path or (path, float), optional
+        Save the run in this file every minute, or every so many seconds, when it is interrupted, and at its
+        end; :func:`pliant.resume` continues it with the same bits.
 
     Returns
     -------
@@ -80,71 +102,205 @@ def simulate(
     >>> print(f"{result.track(ball.center).position[-1, 2]:.3f}")
     -4.905
     """
-    model = _require_model(model)
-    duration = _check.number(duration, "duration", above=0)
-    step = _check.number(step, "step", above=0)
-    if duration / step > _check.LARGEST_COUNT:
-        _check.fail(
-            "step", step, f"must be at least {duration / _check.LARGEST_COUNT:g} s: at most 1e8 steps"
-        )
-    steps = max(1, math.ceil(duration / step * (1 - 1e-9)))
-    output_every = _check.count(output_every, "output_every")
-    rho = (
-        0.8
-        if spectral_radius is None
-        else _check.number(spectral_radius, "spectral_radius", at_least=0, at_most=1)
-    )
-    tolerance = None if tolerance is None else _check.number(tolerance, "tolerance", above=0, below=1)
-    threads = _threads(threads)
+    model = require_model(model)
+    plan = Plan.checked(duration, step, output_every, output_times, checkpoint, on_step is not None)
+    _check_on_step(on_step)
     progress = None if progress is None else _check.flag(progress, "progress")
-    state = None if start is None else require_state(start, "start", model)
-    model = model.copy()
-    lowered, system = _build(model, state)
-    if rho > 0.98 and system.multipliers > 0:
-        _check.fail(
-            "spectral_radius",
-            rho,
-            "must be at most 0.98 in a model with constraints: undamped, they oscillate and blow up",
-        )
-    q, v = _start_vectors(lowered, system, state, model)
-    inputs = _Inputs(lowered)
-    with inputs.guarded(), translated():
-        integrator = system.integrator(
-            step=duration / steps,
-            spectral_radius=rho,
-            tolerance=tolerance,
-            threads=threads,
-            q=q,
-            v=v,
-            inputs=inputs.callback,
-        )
-    _warn_of_projection(integrator, system, lowered, v if v is not None else system.initial_v, state)
+    stepper = _begin(
+        model,
+        plan,
+        start=start,
+        spectral_radius=spectral_radius,
+        tolerance=tolerance,
+        threads=threads,
+    )
+    return _drive(stepper, plan, on_step, progress)
 
-    def collect() -> Result:
-        with translated():
-            records = _records(integrator.records())
-        return Result(
-            model,
-            lowered,
-            records,
-            static=False,
-            statistics=_statistics(integrator.statistics()),
-            system=system,
-        )
 
+def _check_on_step(on_step: object) -> None:
+    if on_step is not None and not callable(on_step):
+        _check.fail("on_step", on_step, "must be a callable of the stepper")
+
+
+def _drive(
+    stepper: Stepper,
+    plan: Plan,
+    on_step: Callable[[Stepper], object] | None,
+    progress: bool | None,
+    stop: Event | None = None,
+) -> Result:
+    """Take the steps of the plan that are left."""
     try:
-        with _progress_bar(progress, steps) as report, inputs.guarded(), translated():
-            taken = 0
-            while taken < steps - 1:
-                now = integrator.advance(steps - 1 - taken, output_every=output_every)
-                taken += now
-                report(now)
-            report(integrator.advance(1, output_every=steps))
+        with progress_bar(progress, plan.steps) as report:
+            report(stepper._steps)
+            for leg in plan.legs:
+                while (left := leg.last - stepper._steps) > 0:
+                    if stop is not None and stop.is_set():
+                        raise KeyboardInterrupt
+                    if on_step is not None and on_step(stepper) is True:
+                        plan.finish(stepper)
+                        return stepper.result
+                    report(stepper._take(1 if on_step else left, leg.step, plan.output_every, leg.end, left))
+                    if left == 1 or stepper._steps == leg.last:
+                        plan.reach(stepper, leg)
+                    plan.save(stepper)
+        plan.finish(stepper)
     except (KeyboardInterrupt, ConvergenceError, ModelError) as error:
-        _name_node(error, model)
-        error.result = collect()  # type: ignore[union-attr]
+        error.result = stepper.result  # type: ignore[union-attr]
+        if isinstance(error, KeyboardInterrupt):
+            plan.save(stepper, now=True)
         raise
-    return collect()
+    return stepper.result
+
+
+def resume(
+    checkpoint: PathLike,
+    model: Model | None = None,
+    *,
+    on_step: Callable[[Stepper], object] | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+) -> Result:
+    """Continue a run that ``simulate(..., checkpoint=...)`` saved, with the bits of one that never stopped.
+
+    Parameters
+    ----------
+    checkpoint : str or path
+        The file; the run goes on saving itself there.
+    model : Model, optional
+        The model that was run, needed where loads are Python callables: files cannot hold those.
+    on_step : callable, optional
+        That of the run, if it had one.
+    threads : int, optional
+        Threads; the result does not depend on it.
+    progress : bool, optional
+        Show a progress bar; by default on a terminal.
+
+    Returns
+    -------
+    Result
+        That of the whole run.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> model = pl.Model(gravity=(0, 0, -9.81))
+    >>> ball = model.add_point_mass(1.0, at=(0, 0, 0))
+    >>> with TemporaryDirectory() as folder:
+    ...     saved = Path(folder) / "fall.checkpoint"
+    ...     whole = pl.simulate(model, duration=1.0, step=0.01, checkpoint=saved)
+    ...     again = pl.resume(saved)
+    >>> len(again.time) == len(whole.time)
+    True
+    """
+    _check_on_step(on_step)
+    progress = None if progress is None else _check.flag(progress, "progress")
+    saved = read(checkpoint)
+    if saved.run is None:
+        _check.fail("checkpoint", str(checkpoint), "was saved by a stepper: use pliant.Stepper.load")
+    plan = Plan.read(saved.run, checkpoint)
+    if plan.has_on_step and on_step is None:
+        _check.fail("on_step", None, "the run had one: give it again")
+    return _drive(Stepper._restored(saved, model, threads), plan, on_step, progress)
+
+
+def simulate_many(
+    models: Iterable[Model], *, threads: int | None = None, progress: bool | None = None, **options: Any
+) -> list[Result]:
+    """Run models independently of each other, several at a time, each with the bits of a single run.
+
+    All runs are finished, even if one fails; then the error of the first that failed is raised, whose
+    attribute ``results`` lists what came of each: a Result or an exception.
+
+    Parameters
+    ----------
+    models : iterable of Model
+        The models; they are not changed.
+    threads : int, optional
+        Number of runs at a time.
+    progress : bool, optional
+        Show a progress bar; by default on a terminal.
+    **options
+        Those of :func:`pliant.simulate`: ``duration``, ``step`` and so on, the same for all.
+
+    Returns
+    -------
+    list of Result
+        In the order of the models.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> def fall(gravity):
+    ...     model = pl.Model(gravity=(0, 0, -gravity))
+    ...     model.add_point_mass(1.0, at=(0, 0, 0), name="ball")
+    ...     return model
+    >>> results = pl.simulate_many([fall(9.81), fall(1.62)], duration=1.0, step=0.01)
+    >>> print([f"{result.positions('ball')[-1, 0, 2]:.3f}" for result in results])
+    ['-4.905', '-0.810']
+    """
+    if isinstance(models, Model) or not isinstance(models, Iterable):
+        _check.fail("models", models, "must be several models")
+    queue = list(models)
+    for k, model in enumerate(queue):
+        if not isinstance(model, Model):
+            _check.fail(f"models[{k}]", model, "must be a pliant.Model")
+    for name in ("checkpoint", "on_step"):
+        if options.get(name) is not None:
+            _check.fail(name, options[name], "belongs to one run: use pliant.simulate")
+    for name in ("duration", "step"):
+        if name not in options:
+            _check.fail(name, None, "must be given")
+    progress = None if progress is None else _check.flag(progress, "progress")
+    stop = Event()
+
+    def run(model: Model) -> Result:
+        return _simulate_one(model, stop, **options)
+
+    with (
+        ThreadPoolExecutor(thread_count(threads)) as pool,
+        progress_bar(progress, len(queue)) as report,
+    ):
+        runs = [pool.submit(run, model) for model in queue]
+        try:
+            open_runs = set(runs)
+            while open_runs:
+                done, open_runs = wait_for(open_runs, timeout=0.1)
+                report(len(done))
+        except KeyboardInterrupt as interrupt:
+            stop.set()
+            wait_for(runs)
+            interrupt.results = [r.exception() or r.result() for r in runs]  # type: ignore[attr-defined]
+            raise
+    outcomes = [r.exception() or r.result() for r in runs]
+    for outcome in outcomes:
+        if isinstance(outcome, BaseException):
+            outcome.results = outcomes  # type: ignore[attr-defined]
+            raise outcome
+    return [r.result() for r in runs]
+
+
+def _simulate_one(
+    model: Model,
+    stop: Event,
+    *,
+    duration: float,
+    step: float,
+    output_every: int = 1,
+    output_times: ArrayLike | None = None,
+    **options: Any,
+) -> Result:
+    plan = Plan.checked(duration, step, output_every, output_times, None, False)
+    return _drive(_begin(model, plan, **{**options, "threads": 1}), plan, None, False, stop)
+
+
+def _begin(model: Model, plan: Plan, **options: Any) -> Stepper:
+    stepper = Stepper(model, step=plan.legs[0].step, **options)
+    if not plan.keeps_start:
+        stepper._forget()
+    return stepper
 
 
 def solve_static(
@@ -194,23 +350,23 @@ def solve_static(
     >>> print(f"{result.axial_force(bar)[-1, 0]:.0f}")
     10000
     """
-    model = _require_model(model)
+    model = require_model(model)
     load_steps = _check.count(load_steps, "load_steps")
     tolerance = None if tolerance is None else _check.number(tolerance, "tolerance", above=0, below=1)
     stable = _check.flag(stable, "stable")
     progress = None if progress is None else _check.flag(progress, "progress")
     state = None if start is None else require_state(start, "start", model)
     model = model.copy()
-    lowered, system = _build(model, state)
-    q, _ = _start_vectors(lowered, system, state, model)
-    inputs = _Inputs(lowered)
+    lowered, system = build(model, state)
+    q, _ = start_vectors(lowered, system, state, model)
+    inputs = CallableInputs(lowered, lowered.held_values)
     reached = 0.0
 
     def collect(raw: Any) -> Result:
-        records = _records({key: value for key, value in raw.items() if key != "unstable"})
+        records = as_records({key: value for key, value in raw.items() if key != "unstable"})
         return Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
 
-    with _progress_bar(progress, 100) as report, inputs.guarded():
+    with progress_bar(progress, 100) as report, inputs.guarded():
 
         def poll(factor: float) -> None:
             nonlocal reached
@@ -228,7 +384,7 @@ def solve_static(
                     poll=poll,
                 )
         except (ConvergenceError, ModelError) as error:
-            _name_node(error, model)
+            name_node(error, model)
             if error.records is not None and len(error.records["time"]):
                 error.result = collect(error.records)
             raise
@@ -293,15 +449,15 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
     >>> print(f"{pl.solve_modes(model, count=2).frequencies[0]:.2f} Hz")
     14.12 Hz
     """
-    model = _require_model(model)
+    model = require_model(model)
     count = _check.count(count, "count")
     state = None if about is None else require_state(about, "about", model)
     model = model.copy()
-    lowered, system = _build(model, state)
+    lowered, system = build(model, state)
     freedoms = system.velocities - system.multipliers
     if count > freedoms:
         _check.fail("count", count, f"the model has {freedoms} degrees of freedom")
-    q, _ = _start_vectors(lowered, system, state, model)
+    q, _ = start_vectors(lowered, system, state, model)
     lambda_ = None
     if (
         state is not None
@@ -310,7 +466,7 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
         and len(q) == len(state.q)
     ):
         lambda_ = state.lambda_
-    inputs = _Inputs(lowered)
+    inputs = CallableInputs(lowered, lowered.held_values)
     with inputs.guarded(), translated():
         squares, shapes = system.solve_modes(
             count,
@@ -325,7 +481,13 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
     here = q if q is not None else system.initial_q
     empty = np.zeros((1, len(here)))
     records = Records(
-        np.zeros(1), here[None], empty, empty, np.zeros((1, system.multipliers)), np.zeros((1, 5))
+        np.zeros(1),
+        here[None],
+        empty,
+        empty,
+        np.zeros((1, system.multipliers)),
+        np.zeros((1, 5)),
+        np.zeros((1, 0)),
     )
     return Modes(
         np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi),
@@ -334,158 +496,3 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
         bool(squares.min(initial=0.0) >= -floor),
         Result(model, lowered, records, static=True, statistics=Statistics(), system=system),
     )
-
-
-def _require_model(model: object) -> Model:
-    if not isinstance(model, Model):
-        _check.fail("model", model, "must be a pliant.Model")
-    if not model._bodies:
-        _check.fail("model", model, "has no bodies; add one, such as model.add_cable(...)")
-    return model
-
-
-def _threads(threads: int | None) -> int:
-    if threads is not None:
-        return _check.count(threads, "threads", at_most=1024)
-    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(available, 16)
-
-
-def _build(model: Model, state: State | None) -> tuple[Lowered, System]:
-    from pliant import _core
-
-    bodies = None
-    if state is not None:
-        bodies = dict(state.bodies)
-        if state.static:
-            fresh = _initial(model)
-            bodies = {
-                name: b._replace(v_r=fresh[name].v_r, v_t=fresh[name].v_t) for name, b in bodies.items()
-            }
-    lowered = lower(model, bodies)
-    with translated():
-        return lowered, _core.System(lowered.spec, lowered.arrays)
-
-
-def _initial(model: Model) -> Any:
-    from pliant._lower import initial_state
-
-    return initial_state(model)
-
-
-def _start_vectors(
-    lowered: Lowered, system: System, state: State | None, model: Model
-) -> tuple[FloatArray | None, FloatArray | None]:
-    """Coordinates and velocities of the state that the run begins with; None: the document's."""
-    if state is None:
-        return None, None
-    q, v = system.initial_q.copy(), system.initial_v.copy()
-    fresh = _initial(model)
-    shared = system.shared_offsets()
-    for name, body in state.bodies.items():
-        moving = fresh[name] if state.static else body
-        if name in lowered.rigid:
-            index = system.rigid_offsets()[lowered.rigid[name]] + np.arange(12)
-            q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
-            continue
-        columns: list[tuple[int, FloatArray, FloatArray]] = [(0, body.r, moving.v_r)]
-        if name in lowered.cables:
-            offsets = system.cable_offsets(lowered.cables[name])
-            columns.append((1, body.t, moving.v_t))
-        else:
-            offsets = shared[[lowered.shared[name]]].reshape(1, 1)
-        for column, place, speed in columns:
-            index = offsets[:, [column]] + np.arange(3)
-            q[index], v[index] = place, speed
-    return q, v
-
-
-class _Inputs:
-    """Callables of the loads, gathered into one function of time; keeps the error that one of them raised."""
-
-    def __init__(self, lowered: Lowered) -> None:
-        self._inputs = lowered.inputs
-        self._error: BaseException | None = None
-        self.callback: Callable[[float], FloatArray] | None = self._evaluate if self._inputs else None
-
-    def _evaluate(self, t: float) -> FloatArray:
-        values = []
-        for item in self._inputs:
-            try:
-                values.append(item.function(t))
-            except Exception as error:
-                self._error = ModelError(f"load '{item.load}' at t = {t:g} s: {error}")
-                self._error.__cause__ = error
-                raise self._error from error
-            except BaseException as error:
-                self._error = error
-                raise
-        return np.concatenate(values)
-
-    @contextmanager
-    def guarded(self) -> Iterator[None]:
-        """Raise the callable's own error, whatever the core made of it."""
-        try:
-            yield
-        except BaseException:
-            if self._error is not None:
-                raise self._error from self._error.__cause__
-            raise
-
-
-@contextmanager
-def _progress_bar(progress: bool | None, total: int) -> Iterator[Callable[[int], object]]:
-    if progress or (progress is None and sys.stderr is not None and sys.stderr.isatty()):
-        try:
-            from tqdm import tqdm
-        except ImportError as error:
-            if progress:
-                raise ImportError('the progress bar needs tqdm: pip install "pliant[progress]"') from error
-        else:
-            with tqdm(total=total, leave=False, file=sys.stderr) as bar:
-                yield bar.update
-            return
-    yield lambda _: None
-
-
-def _warn_of_projection(
-    integrator: Integrator, system: System, lowered: Lowered, v: FloatArray, state: State | None
-) -> None:
-    """Tell by how much joints changed the velocities of points; a restart's roundoff is not worth a word."""
-    firsts = [system.cable_offsets(k)[:, 0] for k in lowered.cables.values()] + [system.shared_offsets()]
-    index = np.concatenate(firsts)[:, None] + np.arange(3)
-    wanted = v[index]
-    change = float(np.linalg.norm(integrator.v[index] - wanted, axis=1).max(initial=0.0))
-    speed = float(np.linalg.norm(wanted, axis=1).max(initial=0.0))
-    if change > 1e-3 * speed and integrator.projection > (1e-9 if state is None else 1e-3) * speed:
-        warnings.warn(
-            f"initial velocities contradict joints; they were projected, by up to {change:.3g} m/s",
-            stacklevel=3,
-        )
-
-
-def _name_node(error: BaseException, model: Model) -> None:
-    """Turn the strand node that the core blames into the node of the body."""
-    if isinstance(error, ConvergenceError) and error.node is not None:
-        body = model._bodies.get(error.body or "")
-        if isinstance(body, LineBody) and error.node < len(body.users):
-            error.node = int(body.users[error.node])
-
-
-def _records(raw: Any) -> Records:
-    return Records(**{key: np.asarray(value) for key, value in raw.items()})
-
-
-def _statistics(raw: dict[str, Any]) -> Statistics:
-    try:
-        import resource
-
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
-            1 if sys.platform == "darwin" else 1024
-        )
-    except ImportError:
-        memory = 0
-    known = {
-        key: raw[key] for key in ("steps", "rejected", "newton_iterations", "factorizations") if key in raw
-    }
-    return Statistics(**known, seconds=dict(raw.get("seconds", {})), peak_memory=memory)

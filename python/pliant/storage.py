@@ -1,6 +1,6 @@
 """Results as HDF5 files.
 
-Layout (format "pliant-result", version 1)::
+Layout (format "pliant-result", version 2)::
 
     /                     attributes format, version, kind ("dynamic" or "static"), digest
     /model                the model as a JSON document (text)
@@ -8,7 +8,7 @@ Layout (format "pliant-result", version 1)::
     /lowered/arrays/<k>   the arrays that the document points at
     /records/time         (n,) [s] or load factors
     /records/q, v, a      (n, coordinates); /records/lambda (n, constraints); /records/energy (n, 5): kinetic,
-                          elastic, gravitational, dissipated, work [J]
+                          elastic, gravitational, dissipated, work [J]; /records/inputs (n, inputs)
     /offsets/<body>       (nodes,) first of the three columns of q that hold each node's position; the name
                           of the body is percent-encoded
     /statistics           JSON text
@@ -37,7 +37,7 @@ from pliant.result import Records, Result, Statistics
 
 __all__ = ["load", "save"]
 
-VERSION = 1
+VERSION = 2
 
 
 def _h5py() -> ModuleType:
@@ -56,7 +56,13 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
         "model": json.dumps(result.model.to_document(keep_functions=False)),
         "lowered/spec": lowered.spec,
         "lowered/map": json.dumps(
-            {"cables": lowered.cables, "shared": lowered.shared, "rigid": lowered.rigid, "plan": lowered.plan}
+            {
+                "cables": lowered.cables,
+                "shared": lowered.shared,
+                "rigid": lowered.rigid,
+                "plan": lowered.plan,
+                "held": lowered.held,
+            }
         ),
         "statistics": json.dumps(dataclasses.asdict(result.statistics)),
     }
@@ -115,6 +121,7 @@ def load(path: str | os.PathLike[str]) -> Result:
                 shared=mapping["shared"],
                 rigid=mapping.get("rigid", {}),
                 plan=mapping["plan"],
+                held={name: (first, initial) for name, (first, initial) in mapping["held"].items()},
             )
             records = Records(
                 **{

@@ -192,7 +192,7 @@ def test_signals_combine() -> None:
 
 
 def test_what_is_not_there_is_absent() -> None:
-    for name in ("Stepper", "NeoHookean", "sweep", "resume"):
+    for name in ("NeoHookean", "sweep"):
         assert not hasattr(pl, name)
 
 

@@ -69,6 +69,24 @@ def run(s: SimpleNamespace, **changes: Any) -> Any:
     return pl.simulate(s.m, **{"duration": 1.0, "step": 0.1, **changes})
 
 
+def stepper(s: SimpleNamespace, **changes: Any) -> pl.Stepper:
+    model = s.m.copy()
+    model.add_force(s.ball, (0, 0, 1) * pl.Input("jet"))
+    return pl.Stepper(model, **{"step": 0.1, **changes})
+
+
+def two_jets(s: SimpleNamespace) -> Any:
+    model = s.m.copy()
+    model.add_force(s.ball, (0, 0, 1) * pl.Input("jet", initial=1.0))
+    return stepper(SimpleNamespace(m=model, ball=s.ball))
+
+
+def one_ball() -> pl.Model:
+    model = pl.Model()
+    model.add_point_mass(1.0, at=(0, 0, 0), name="other ball")
+    return model
+
+
 def helix(s: float) -> tuple[float, float, float]:
     x = s / math.sqrt(2)
     return math.cos(x), math.sin(x), x
@@ -275,6 +293,48 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("threads", "True", lambda s: run(s, threads=True)),
     ("progress", "'bar'", lambda s: run(s, progress="bar")),
     ("start", "'last'", lambda s: run(s, start="last")),
+    ("output_times", "[0.5, 0.2]", lambda s: run(s, output_times=[0.5, 0.2])),
+    ("output_times", "[0.5, 2.0]", lambda s: run(s, output_times=[0.5, 2.0])),
+    ("output_times", "[-0.1]", lambda s: run(s, output_times=[-0.1])),
+    ("output_times", "[]", lambda s: run(s, output_times=[])),
+    ("output_times", "nan", lambda s: run(s, output_times=[0.1, NAN])),
+    ("output_times", "'all'", lambda s: run(s, output_times="all")),
+    ("output_every", "2", lambda s: run(s, output_times=[0.5], output_every=2)),
+    ("on_step", "3", lambda s: run(s, on_step=3)),
+    ("checkpoint", "3", lambda s: run(s, checkpoint=3)),
+    ("checkpoint", "''", lambda s: run(s, checkpoint="")),
+    ("checkpoint", "-1", lambda s: run(s, checkpoint=("file", -1))),
+    ("checkpoint", "('file',)", lambda s: run(s, checkpoint=("file",))),
+    # steppers
+    ("model", "'rope'", lambda s: pl.Stepper("rope", step=0.1)),
+    ("step", "0", lambda s: stepper(s, step=0)),
+    ("step", "nan", lambda s: stepper(s, step=NAN)),
+    ("record_every", "0", lambda s: stepper(s, record_every=0)),
+    ("record_every", "1.5", lambda s: stepper(s, record_every=1.5)),
+    ("spectral_radius", "-1", lambda s: stepper(s, spectral_radius=-1)),
+    ("tolerance", "1", lambda s: stepper(s, tolerance=1)),
+    ("threads", "0", lambda s: stepper(s, threads=0)),
+    ("start", "3", lambda s: stepper(s, start=3)),
+    ("steps", "0", lambda s: stepper(s).advance(0)),
+    ("steps", "True", lambda s: stepper(s).advance(True)),
+    ("steps", "2.0", lambda s: stepper(s).advance(2.0)),
+    ("name", "'thrust'", lambda s: stepper(s).set_input("thrust", 1.0)),
+    ("name", "None", lambda s: stepper(s).set_input(None, 1.0)),
+    ("value", "nan", lambda s: stepper(s).set_input("jet", NAN)),
+    ("value", "(1, 2, 3)", lambda s: stepper(s).set_input("jet", (1, 2, 3))),
+    ("value", "True", lambda s: stepper(s).set_input("jet", True)),
+    ("state", "'start'", lambda s: stepper(s).reset("start")),
+    ("state", "stepper", lambda s: stepper(s).reset(stepper(s).result.state(0))),
+    ("bodies", "ball", lambda s: stepper(s).reset(pl.Stepper(one_ball(), step=0.1).state)),
+    ("point", "'end'", lambda s: stepper(s).position("end")),
+    ("initial", "(1, 2)", lambda s: pl.Input("jet", initial=(1, 2))),
+    ("initial", "inf", lambda s: pl.Input("jet", initial=INF)),
+    ("name", "''", lambda s: pl.Input("")),
+    ("jet", "same initial", lambda s: two_jets(s)),
+    ("models", "pliant.Model", lambda s: pl.simulate_many([s.m, 3], duration=1.0, step=0.1)),
+    ("models", "several", lambda s: pl.simulate_many(s.m, duration=1.0, step=0.1)),
+    ("duration", "None", lambda s: pl.simulate_many([s.m], step=0.1)),
+    ("checkpoint", "'a'", lambda s: pl.simulate_many([s.m], duration=1.0, step=0.1, checkpoint="a")),
     ("load_steps", "0", lambda s: pl.solve_static(s.m, load_steps=0)),
     ("count", "0", lambda s: pl.solve_modes(s.m, count=0)),
     ("about", "7", lambda s: pl.solve_modes(s.m, about=7)),

@@ -117,16 +117,7 @@ impl<P: Problem> Integrator<P> {
     ) -> Result<Self, Error> {
         let coefficients = check_options(&problem, &options)?;
         let (n, m) = (problem.velocities(), problem.multipliers());
-        check_length("q", &state.q, problem.coordinates())?;
-        for (what, array) in [
-            ("v", &state.v),
-            ("a", &state.a),
-            ("a_alg", &state.a_alg),
-            ("a_previous", &state.a_previous),
-        ] {
-            check_length(what, array, n)?;
-        }
-        check_length("lambda_", &state.lambda_, m)?;
+        check_state(&problem, &state)?;
         let work = Workspace {
             next: state.clone(),
             delta: vec![0.0; if problem.is_flat() { 0 } else { n }],
@@ -142,6 +133,16 @@ impl<P: Problem> Integrator<P> {
         let mut new = Self { problem, solver, options, coefficients, state, statistics, work };
         new.rebuild_factor()?;
         Ok(new)
+    }
+
+    /// Goes to another state of the same problem, with the same bits as if the run had been there all along.
+    ///
+    /// # Errors
+    /// Wrong lengths (nothing has changed then), or a factorisation that fails.
+    pub fn reset(&mut self, state: State) -> Result<(), Error> {
+        check_state(&self.problem, &state)?;
+        self.state = state;
+        self.rebuild_factor()
     }
 
     /// The problem.
@@ -167,6 +168,11 @@ impl<P: Problem> Integrator<P> {
     /// Cost so far.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
+    }
+
+    /// Continues counting from these numbers.
+    pub fn set_statistics(&mut self, statistics: Statistics) {
+        self.statistics = statistics;
     }
 
     /// The linear solver.
@@ -204,6 +210,14 @@ impl<P: Problem> Integrator<P> {
     /// # Errors
     /// The last failure; the state is then the last one reached.
     pub fn advance(&mut self, h: f64) -> Result<StepReport, Error> {
+        self.advance_to(None, h)
+    }
+
+    /// Like [`Self::advance`]; ends at exactly the time `end` where it is given, `h` away up to rounding.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_to(&mut self, end: Option<f64>, h: f64) -> Result<StepReport, Error> {
         check_step(h)?;
         if self.state.series_step != h {
             self.state.series_start = self.state.t;
@@ -212,7 +226,9 @@ impl<P: Problem> Integrator<P> {
         }
         let n = self.state.series_steps;
         let time = |steps: f64| self.state.series_start + steps * h;
-        let (begin, end) = (time(n as f64), time((n + 1) as f64));
+        let begin = time(n as f64);
+        let lands = end.is_some();
+        let end = end.unwrap_or_else(|| time((n + 1) as f64));
         let (mut done, mut size, mut successes) = (0, TICKS, 0);
         let mut total = StepReport::default();
         while done < TICKS {
@@ -246,6 +262,10 @@ impl<P: Problem> Integrator<P> {
             }
         }
         self.state.series_steps = n + 1;
+        if lands {
+            // Further steps count from the time that was asked for.
+            self.state.series_step = 0.0;
+        }
         Ok(total)
     }
 
@@ -276,6 +296,28 @@ fn check_options<P: Problem>(problem: &P, options: &Options) -> Result<Coefficie
         return Err(Error::Value { what: "newton.max_iterations", expected: "at least 2", got });
     }
     Coefficients::new(options.spectral_radius, problem.multipliers() > 0)
+}
+
+fn check_state<P: Problem>(problem: &P, state: &State) -> Result<(), Error> {
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    check_length("q", &state.q, problem.coordinates())?;
+    for (what, array) in [
+        ("v", &state.v),
+        ("a", &state.a),
+        ("a_alg", &state.a_alg),
+        ("a_previous", &state.a_previous),
+    ] {
+        check_length(what, array, n)?;
+    }
+    check_length("lambda_", &state.lambda_, m)?;
+    let factor = &state.factor;
+    if factor.h == 0.0 {
+        return Ok(());
+    }
+    check_length("factor.q", &factor.q, problem.coordinates())?;
+    check_length("factor.v", &factor.v, n)?;
+    check_length("factor.a", &factor.a, n)?;
+    check_length("factor.lambda_", &factor.lambda_, m)
 }
 
 fn check_step(h: f64) -> Result<(), Error> {

@@ -1,5 +1,7 @@
 //! When Newton's iteration has converged, and when its matrix is worth factorising anew.
 
+use serde::{Deserialize, Serialize};
+
 /// Controls of Newton's iteration inside a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
@@ -137,7 +139,7 @@ impl Monitor {
 /// It is renewed when the last step took more iterations than the mean cost of a step since it was made, its own cost
 /// included. Where contraction was lost so far that it had to be renewed inside a step, iterations were thrown away:
 /// from then on it is renewed before it gets as old, and allowed to grow older again bit by bit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FactorAge {
     /// Steps accepted since the factorisation.
     pub steps: usize,

@@ -2,9 +2,10 @@
 
 use crate::newton::FactorAge;
 use crate::problem::Point;
+use serde::{Deserialize, Serialize};
 
 /// What the kept factorisation was made from; a continued run rebuilds it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FactorPoint {
     /// Step it belongs to [s]; 0 if there is none.
     pub h: f64,
@@ -25,7 +26,7 @@ pub struct FactorPoint {
 }
 
 /// Everything that a bit-identical continuation needs.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time [s].
     pub t: f64,

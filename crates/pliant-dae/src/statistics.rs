@@ -1,9 +1,10 @@
 //! Counters and times of a run.
 
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 /// What a run has cost so far.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Accepted steps.
     pub steps: usize,
@@ -20,7 +21,7 @@ pub struct Statistics {
 }
 
 /// Wall time by part [s].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Seconds {
     /// Evaluation of residuals.
     pub residual: f64,

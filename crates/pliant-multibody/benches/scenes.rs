@@ -9,7 +9,7 @@ mod support;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pliant_dae::generalized_alpha::Options;
 use pliant_multibody::model::Model;
-use pliant_multibody::run::{Run, RunOptions};
+use pliant_multibody::run::{Leg, Run, RunOptions, Start};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -18,8 +18,12 @@ const ELEMENT_STEPS: u64 = 400_000;
 
 fn start(model: &Arc<Model>, timed: bool) -> Run {
     let integrator = Options { spectral_radius: 0.9, timed, ..Options::default() };
-    let options = RunOptions { step: 1e-3, integrator, threads: 1 };
-    Run::new(model.clone(), &options, None, None, None).unwrap()
+    let options = RunOptions { integrator, threads: 1 };
+    Run::new(model.clone(), &options, Start::default()).unwrap().0
+}
+
+fn leg(steps: u64) -> Leg {
+    Leg { steps, step: 1e-3, end: None, output_every: 0 }
 }
 
 fn pendulum(criterion: &mut Criterion) {
@@ -34,7 +38,7 @@ fn pendulum(criterion: &mut Criterion) {
         };
         let mut run = start(&model, true);
         let before = energy(&run);
-        run.advance(steps, steps, Duration::MAX).unwrap();
+        run.advance(leg(steps), Duration::MAX).unwrap();
         let statistics = run.statistics();
         let per = |count: usize| count as f64 / statistics.steps as f64;
         let s = statistics.seconds;
@@ -61,7 +65,7 @@ fn pendulum(criterion: &mut Criterion) {
                     let mut run = start(model, false);
                     let count = left.min(steps);
                     let begin = Instant::now();
-                    run.advance(count, count, Duration::MAX).unwrap();
+                    run.advance(leg(count), Duration::MAX).unwrap();
                     spent += begin.elapsed();
                     left -= count;
                 }

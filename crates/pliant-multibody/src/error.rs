@@ -78,6 +78,12 @@ pub enum ModelError {
         /// Why.
         reason: &'static str,
     },
+    /// The bytes of a saved run cannot be used.
+    #[error("the saved run cannot be read: {reason}")]
+    Saved {
+        /// Why.
+        reason: String,
+    },
     /// An element refused its parameters.
     #[error("cable '{cable}': {source}")]
     Element {

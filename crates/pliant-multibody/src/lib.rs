@@ -1,11 +1,13 @@
 //! Models of soft machines: from a document to a system of equations, runs, and what is read from them.
 
 mod build;
+pub mod checkpoint;
 pub mod document;
 pub mod dof_map;
 pub mod error;
 pub mod joints;
 pub mod loads;
+pub mod memory;
 pub mod model;
 mod output;
 pub mod point;

@@ -1,12 +1,16 @@
 //! A run in progress: steps, and what is recorded of them.
 
+use crate::checkpoint::Saved;
+use crate::memory::Memory;
 use crate::model::Model;
-use crate::system::{Audit, Inputs, Mode, System};
+use crate::system::{Inputs, Mode, System};
 use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::{Integrator, Options, State};
 use pliant_dae::initial::Consistent;
+use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::problem::EvaluationError;
 use pliant_dae::statistics::Statistics;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -25,18 +29,22 @@ pub struct Records {
     pub lambda_: Vec<f64>,
     /// Kinetic, elastic, gravitational, dissipated energy and work [J].
     pub energy: Vec<f64>,
+    /// Inputs that are set from outside.
+    pub inputs: Vec<f64>,
 }
 
 impl Records {
     /// Adds a row.
-    pub fn push(&mut self, model: &Model, state: &State, audit: Audit) {
+    pub fn push(&mut self, model: &Model, state: &State, memory: &Memory) {
         self.time.push(state.t);
         self.q.extend_from_slice(&state.q);
         self.v.extend_from_slice(&state.v);
         self.a.extend_from_slice(&state.a);
         self.lambda_.extend_from_slice(&state.lambda_);
         let [kinetic, elastic, gravitational] = model.energy(&state.q, &state.v);
+        let audit = memory.audit;
         self.energy.extend([kinetic, elastic, gravitational, audit.dissipated, audit.work]);
+        self.inputs.extend_from_slice(&memory.held);
     }
 }
 
@@ -44,19 +52,17 @@ impl Records {
 pub struct Run {
     integrator: Integrator<System>,
     pool: Option<rayon::ThreadPool>,
-    step: f64,
     steps: u64,
-    start: Consistent,
     records: Records,
     balance: Balance,
 }
 
 /// Watches for energy from nowhere: a step that is too long for an undamped impact can gain without bound while
 /// Newton's iteration converges well.
-#[derive(Default)]
-struct Balance {
-    /// Mechanical energy less work at the start [J].
-    start: Option<f64>,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Balance {
+    /// Mechanical energy at the start [J].
+    start: f64,
     /// Elastic and gravitational energy at the start [J].
     potential: [f64; 2],
     /// Largest energy that was seen to change hands [J].
@@ -69,6 +75,13 @@ const LARGEST_GAIN: f64 = 0.5;
 const ROUNDING: f64 = 1e-20;
 
 impl Balance {
+    /// Notes kinetic, elastic and gravitational energy at the start.
+    fn begin(&mut self, [kinetic, elastic, gravitational]: [f64; 3]) {
+        self.start = kinetic + elastic + gravitational;
+        self.potential = [elastic, gravitational];
+        self.scale = kinetic;
+    }
+
     /// Checks kinetic, elastic and gravitational energy and work: damping only takes. Less than `rounding` [J] is none.
     fn check(
         &mut self,
@@ -76,16 +89,10 @@ impl Balance {
         rounding: f64,
     ) -> Result<(), String> {
         let total = kinetic + elastic + gravitational - work;
-        let Some(start) = self.start else {
-            self.start = Some(total);
-            self.potential = [elastic, gravitational];
-            self.scale = kinetic;
-            return Ok(());
-        };
         let [elastic_0, gravitational_0] = self.potential;
         let rise = (gravitational - gravitational_0).abs();
         let now = kinetic + elastic.max(elastic_0) + rise + work.abs();
-        let gain = total - start;
+        let gain = total - self.start;
         self.scale = self.scale.max(now);
         // Rounding in large energies that cancel is no gain.
         let floor = 1e-9 * (elastic_0.abs() + gravitational_0.abs()) + rounding;
@@ -102,57 +109,136 @@ impl Balance {
 
 /// How a run is made.
 pub struct RunOptions {
-    /// Nominal step [s].
-    pub step: f64,
     /// Controls of the integrator.
     pub integrator: Options,
     /// Number of threads; the bits of a run do not depend on it.
     pub threads: usize,
 }
 
+/// Where a run begins, and what acts on it from outside.
+#[derive(Default)]
+pub struct Start<'a> {
+    /// Coordinates; none: those of the model.
+    pub q: Option<&'a [f64]>,
+    /// Velocities; none: those of the model.
+    pub v: Option<&'a [f64]>,
+    /// Inputs that are set from outside, in the order of their numbers.
+    pub held: &'a [f64],
+    /// Inputs that are functions of time; their numbers follow.
+    pub inputs: Option<Inputs>,
+}
+
+/// Steps to be taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Number of steps.
+    pub steps: u64,
+    /// Nominal step [s].
+    pub step: f64,
+    /// Time at which the last of them ends exactly [s], where that is to be more exact than rounding.
+    pub end: Option<f64>,
+    /// Every so manieth step is recorded, counted from the start; 0: none.
+    pub output_every: u64,
+}
+
+/// `work`, on the threads of a pool where there is one.
+fn on<T: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> T + Send) -> T {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
 impl Run {
-    /// Starts at `q`, `v` (none: those of the model).
+    /// Begins at time 0; returns how the start was made consistent, too.
     ///
     /// # Errors
     /// Positions off the constraints, singular masses, or bad options.
     pub fn new(
         model: Arc<Model>,
         options: &RunOptions,
-        q: Option<&[f64]>,
-        v: Option<&[f64]>,
-        inputs: Option<Inputs>,
-    ) -> Result<Self, Error> {
-        if !(options.step > 0.0 && options.step.is_finite()) {
-            return Err(Error::Value { what: "step", expected: "above zero", got: options.step });
-        }
-        let pool = thread_pool(options.threads, &model);
-        let parallel = pool.is_some();
-        let system = System::new(model.clone(), Mode::Dynamic, inputs, parallel);
-        let solver = model.solver(parallel)?;
-        let q = q.unwrap_or(&model.initial_q);
-        let v = v.unwrap_or(&model.initial_v);
-        let begin = || Integrator::new(system, solver, options.integrator, 0.0, q, v);
-        let (integrator, start) = match &pool {
-            Some(pool) => pool.install(begin)?,
-            None => begin()?,
-        };
-        let mut run = Self {
-            integrator,
-            pool,
-            step: options.step,
-            steps: 0,
-            start,
-            records: Records::default(),
-            balance: Balance::default(),
-        };
-        run.record()?;
-        Ok(run)
+        start: Start<'_>,
+    ) -> Result<(Self, Consistent), Error> {
+        let memory = Memory::new(start.held);
+        let q = start.q.unwrap_or(&model.initial_q).to_vec();
+        let v = start.v.unwrap_or(&model.initial_v).to_vec();
+        let (pool, system, solver) = prepare(model, options, start.inputs, memory)?;
+        let (mut integrator, start) =
+            on(pool.as_ref(), || Integrator::new(system, solver, options.integrator, 0.0, &q, &v))?;
+        integrator.problem_mut().note_loads(0.0, &q);
+        let mut balance = Balance::default();
+        let energy = integrator.problem().model().energy(&q, &integrator.state().v);
+        balance.begin(energy);
+        Ok((Self { integrator, pool, steps: 0, records: Records::default(), balance }, start))
     }
 
-    fn record(&mut self) -> Result<(), Error> {
+    /// Continues where a run was saved, with the same bits as if it had never stopped.
+    ///
+    /// # Errors
+    /// A state of another model, or bad options.
+    pub fn resume(
+        model: Arc<Model>,
+        options: &RunOptions,
+        saved: Saved,
+        inputs: Option<Inputs>,
+    ) -> Result<Self, Error> {
+        let Saved { state, memory, statistics, steps, balance } = saved;
+        memory.check(&model, memory.held.len())?;
+        let (pool, system, solver) = prepare(model, options, inputs, memory.at_tangent())?;
+        let mut integrator =
+            on(pool.as_ref(), || Integrator::resume(system, solver, options.integrator, state))?;
+        integrator.problem_mut().set_memory(memory);
+        integrator.set_statistics(statistics);
+        Ok(Self { integrator, pool, steps, records: Records::default(), balance })
+    }
+
+    /// Goes back to where it was saved, and forgets what was recorded; counters go on.
+    ///
+    /// # Errors
+    /// A state of another model; nothing has changed then.
+    pub fn reset(&mut self, saved: Saved) -> Result<(), Error> {
+        let Saved { state, memory, steps, balance, .. } = saved;
+        let here = self.integrator.problem().memory().clone();
+        memory.check(self.integrator.problem().model(), here.held.len())?;
+        let Self { integrator, pool, .. } = self;
+        integrator.problem_mut().set_memory(memory.at_tangent());
+        let outcome = on(pool.as_ref(), || integrator.reset(state));
+        integrator.problem_mut().set_memory(if outcome.is_ok() { memory } else { here });
+        outcome?;
+        self.steps = steps;
+        self.balance = balance;
+        self.records = Records::default();
+        Ok(())
+    }
+
+    /// What a continuation needs.
+    #[must_use]
+    pub fn save(&self) -> Saved {
+        Saved {
+            state: self.integrator.state().clone(),
+            memory: self.integrator.problem().memory().clone(),
+            statistics: self.integrator.statistics().clone(),
+            steps: self.steps,
+            balance: self.balance,
+        }
+    }
+
+    /// Sets inputs from number `first` on; see [`System::set_held`].
+    ///
+    /// # Errors
+    /// More values than inputs.
+    pub fn set_inputs(&mut self, first: usize, values: &[f64]) -> Result<(), Error> {
+        self.integrator.problem_mut().set_held(first, values)
+    }
+
+    /// Records the present state.
+    ///
+    /// # Errors
+    /// Energy from nowhere; the state is recorded all the same.
+    pub fn record(&mut self) -> Result<(), Error> {
         let system = self.integrator.problem();
         let state = self.integrator.state();
-        self.records.push(system.model(), state, system.audit);
+        self.records.push(system.model(), state, system.memory());
         let rounding = ROUNDING * system.model().axial_energy;
         let row = &self.records.energy[self.records.energy.len() - 5..];
         let t = state.t;
@@ -161,38 +247,45 @@ impl Run {
         })
     }
 
-    /// Takes up to `steps` steps, records every `output_every`-th counted from the start, and stops after about
-    /// `limit` of wall time. Returns the number taken.
+    /// The present state as one row.
+    #[must_use]
+    pub fn present(&self) -> Records {
+        let system = self.integrator.problem();
+        let mut row = Records::default();
+        row.push(system.model(), self.integrator.state(), system.memory());
+        row
+    }
+
+    /// Takes the steps of `leg`, and stops after about `limit` of wall time. Returns the number taken.
     ///
     /// # Errors
     /// The step that failed; the state is the one before it, and what was recorded stays.
-    pub fn advance(
-        &mut self,
-        steps: u64,
-        output_every: u64,
-        limit: Duration,
-    ) -> Result<u64, Error> {
+    pub fn advance(&mut self, leg: Leg, limit: Duration) -> Result<u64, Error> {
         let begin = Instant::now();
-        for taken in 0..steps {
+        for taken in 0..leg.steps {
             if taken > 0 && begin.elapsed() >= limit {
                 return Ok(taken);
             }
-            let Self { integrator, pool, step, .. } = self;
-            match pool {
-                Some(pool) => pool.install(|| integrator.advance(*step))?,
-                None => integrator.advance(*step)?,
-            };
+            let end = leg.end.filter(|_| taken + 1 == leg.steps);
+            let Self { integrator, pool, .. } = self;
+            on(pool.as_ref(), || integrator.advance_to(end, leg.step))?;
             self.steps += 1;
-            if self.steps.is_multiple_of(output_every.max(1)) {
+            if leg.output_every > 0 && self.steps.is_multiple_of(leg.output_every) {
                 self.record()?;
             }
         }
-        Ok(steps)
+        Ok(leg.steps)
     }
 
     /// What was recorded since the last call.
     pub fn take_records(&mut self) -> Records {
         std::mem::take(&mut self.records)
+    }
+
+    /// Steps taken since the start.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// The state reached.
@@ -207,17 +300,29 @@ impl Run {
         self.integrator.statistics()
     }
 
-    /// How the start was made consistent.
-    #[must_use]
-    pub fn start(&self) -> &Consistent {
-        &self.start
-    }
-
     /// Description of the linear solver.
     #[must_use]
     pub fn describe_solver(&self) -> String {
         self.integrator.solver().describe()
     }
+}
+
+/// The pool, the problem and the solver of a run.
+type Parts = (Option<rayon::ThreadPool>, System, Box<dyn LinearSolver>);
+
+/// Makes the parts of a run.
+fn prepare(
+    model: Arc<Model>,
+    options: &RunOptions,
+    inputs: Option<Inputs>,
+    memory: Memory,
+) -> Result<Parts, Error> {
+    let pool = thread_pool(options.threads, &model);
+    let parallel = pool.is_some();
+    let solver = model.solver(parallel)?;
+    let mut system = System::new(model, Mode::Dynamic, inputs, parallel);
+    system.set_memory(memory);
+    Ok((pool, system, solver))
 }
 
 /// Elements for each further thread, below which handing over costs more than it gains.
@@ -240,6 +345,7 @@ mod tests {
     #[test]
     fn energy_may_change_hands_but_not_come_from_nowhere() {
         let mut balance = Balance::default();
+        balance.begin([0.0, 0.0, 10.0]);
         // Ten joules fall, stretch and are spent; loads do work.
         for [kinetic, elastic, gravitational, work] in [
             [0.0, 0.0, 10.0, 0.0],
@@ -258,10 +364,9 @@ mod tests {
     #[test]
     fn equilibrium_under_great_stress_is_not_disturbed_by_rounding() {
         let mut balance = Balance::default();
-        balance.check([0.0, 1e6, 1e6, 0.0], 0.0).unwrap();
+        balance.begin([0.0, 1e6, 1e6]);
         balance.check([1e-9, 1e6, 1e6 + 1e-6, 0.0], 0.0).unwrap();
         let mut still = Balance::default();
-        still.check([0.0; 4], 1e-15).unwrap();
         still.check([1e-16, 1e-16, 0.0, 0.0], 1e-15).unwrap();
     }
 }

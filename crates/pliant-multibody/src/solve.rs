@@ -84,7 +84,7 @@ fn follow(
             state.q = point.q;
             state.lambda_ = point.lambda_;
             system.accept(point_of(&before), point_of(&state));
-            path.records.push(model, &state, system.audit);
+            path.records.push(model, &state, system.memory());
             if point.stable == Some(false) {
                 path.unstable.push(point.load);
             }

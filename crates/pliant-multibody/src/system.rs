@@ -1,8 +1,10 @@
 //! A run of a model: the [`Problem`] that the integrator sees.
 
+use crate::memory::{Memory, work};
 use crate::model::{Model, PlacedJoint};
 use crate::point::Support;
 use crate::signal::Moment;
+use pliant_dae::error::Error;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
 use pliant_dae::structure::{Storage, Structure, entry_number};
 use pliant_elements::{self as elements, Block, Motion, Parameter, Workspace};
@@ -31,61 +33,19 @@ struct Scratch {
     rest: Vec<f64>,
 }
 
-/// Generalized forces at both ends of a step.
-#[derive(Default)]
-struct Forces {
-    before: Vec<f64>,
-    after: Vec<f64>,
-}
-
-impl Forces {
-    /// Mean of `forces` (added to a vector of zeros) at both ends, times the displacement between.
-    fn work(
-        &mut self,
-        before: Point<'_>,
-        after: Point<'_>,
-        mut forces: impl FnMut(Point<'_>, &mut [f64]),
-    ) -> f64 {
-        let n = before.q.len();
-        if self.before.is_empty() {
-            self.before.resize(n, 0.0);
-            forces(before, &mut self.before);
-        }
-        self.after.clear();
-        self.after.resize(n, 0.0);
-        forces(after, &mut self.after);
-        let mean = self.before.iter().zip(&self.after).map(|(b, a)| 0.5 * (b + a));
-        let moved = after.q.iter().zip(before.q).map(|(a, b)| a - b);
-        let work = mean.zip(moved).map(|(f, d)| f * d).sum();
-        std::mem::swap(&mut self.before, &mut self.after);
-        work
-    }
-}
-
-/// Integrals over the accepted steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Audit {
-    /// Energy dissipated by the material [J].
-    pub dissipated: f64,
-    /// Work of loads [J].
-    pub work: f64,
-}
-
 /// A run of a model: its inputs, scratch memory and integrals over time.
 pub struct System {
     model: Arc<Model>,
     inputs: Option<Inputs>,
     mode: Mode,
     parallel: bool,
-    /// Integrals since the start.
-    pub audit: Audit,
+    memory: Memory,
     workspaces: Vec<Workspace>,
     input_time: Option<f64>,
     input_values: Vec<f64>,
     scratch: Scratch,
-    /// Generalized forces of the loads and of damping, at the last accepted point and at the next.
-    loads: Forces,
-    damping: Forces,
+    /// Generalized forces at the next accepted point.
+    forces: Vec<f64>,
 }
 
 impl System {
@@ -99,13 +59,12 @@ impl System {
             inputs,
             mode,
             parallel,
-            audit: Audit::default(),
+            memory: Memory::default(),
             workspaces,
             input_time: None,
             input_values: Vec::new(),
             scratch: Scratch::default(),
-            loads: Forces::default(),
-            damping: Forces::default(),
+            forces: Vec::new(),
         }
     }
 
@@ -113,6 +72,42 @@ impl System {
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         &self.model
+    }
+
+    /// What a continuation needs beside the state.
+    #[must_use]
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// Goes back to what was remembered.
+    pub fn set_memory(&mut self, memory: Memory) {
+        self.memory = memory;
+        self.show_held();
+    }
+
+    /// Sets inputs from number `first` on: they hold at the end of the next step and from there on.
+    ///
+    /// # Errors
+    /// As many as the inputs there are after `first`, where `values` are more.
+    pub fn set_held(&mut self, first: usize, values: &[f64]) -> Result<(), Error> {
+        let count = self.memory.held.len();
+        match self.memory.held.get_mut(first..first + values.len()) {
+            Some(slots) => slots.copy_from_slice(values),
+            None => {
+                let (got, expected) = (values.len(), count.saturating_sub(first));
+                return Err(Error::Length { what: "values of inputs", expected, got });
+            }
+        }
+        self.show_held();
+        Ok(())
+    }
+
+    /// Makes the held values those that signals see, until the caller's functions are asked again.
+    fn show_held(&mut self) {
+        self.input_values.clear();
+        self.input_values.extend_from_slice(&self.memory.held);
+        self.input_time = None;
     }
 
     fn moment(&self, t: f64) -> Moment<'_> {
@@ -136,10 +131,25 @@ impl System {
         if self.input_time == Some(t) {
             return Ok(());
         }
-        self.input_values =
+        let values =
             inputs(t).map_err(|message| EvaluationError { message, recoverable: false })?;
+        self.input_values.truncate(self.memory.held.len());
+        self.input_values.extend(values);
         self.input_time = Some(t);
         Ok(())
+    }
+
+    /// Begins to gather work: notes the loads at the start.
+    pub fn note_loads(&mut self, t: f64, q: &[f64]) {
+        if self.model.loads.is_empty() {
+            return;
+        }
+        let mut force = vec![0.0; q.len()];
+        // Functions of time that fail here fail in the step itself.
+        if self.refresh_inputs(t).is_ok() {
+            self.load_forces(t, q, 1.0, &mut force);
+        }
+        self.memory.loads = force;
     }
 
     fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
@@ -357,6 +367,9 @@ impl Problem for System {
     }
 
     fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        // A failing function of time fails in the residual, too.
+        let _ = self.refresh_inputs(at.t);
+        self.memory.note_tangent();
         self.block_tangents(at, weights, values);
         self.mass_tangents(weights.mass, values);
         self.rigid_tangents(weights.mass, values);
@@ -394,20 +407,24 @@ impl Problem for System {
     /// ends says nothing about the time between.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
         if self.has_damping() {
-            let mut forces = std::mem::take(&mut self.damping);
-            self.audit.dissipated +=
-                forces.work(before, after, |at, force| self.damping_forces(at.q, at.v, force));
-            self.damping = forces;
+            let mut noted = std::mem::take(&mut self.memory.damping);
+            let mut forces = std::mem::take(&mut self.forces);
+            self.memory.audit.dissipated +=
+                work(&mut noted, &mut forces, before, after, |at, force| {
+                    self.damping_forces(at.q, at.v, force);
+                });
+            (self.memory.damping, self.forces) = (noted, forces);
         }
         if !self.model.loads.is_empty() {
-            let mut forces = std::mem::take(&mut self.loads);
-            self.audit.work += forces.work(before, after, |at, force| {
+            let mut noted = std::mem::take(&mut self.memory.loads);
+            let mut forces = std::mem::take(&mut self.forces);
+            self.memory.audit.work += work(&mut noted, &mut forces, before, after, |at, force| {
                 // Inputs that fail here have failed in the step itself.
                 if self.refresh_inputs(at.t).is_ok() {
                     self.load_forces(at.t, at.q, 1.0, force);
                 }
             });
-            self.loads = forces;
+            (self.memory.loads, self.forces) = (noted, forces);
         }
     }
 

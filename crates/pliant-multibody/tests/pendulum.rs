@@ -6,7 +6,7 @@ mod support;
 
 use pliant_dae::generalized_alpha::Options;
 use pliant_multibody::model::Model;
-use pliant_multibody::run::{Run, RunOptions};
+use pliant_multibody::run::{Leg, Run, RunOptions, Start};
 use pliant_multibody::spec::IntegrationSpec;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,10 +22,13 @@ fn run(
     spec.cables[0].integration = integration;
     let model = Arc::new(Model::new(&spec, &[]).unwrap());
     let integrator = Options { spectral_radius: 0.9, ..Options::default() };
-    let options = RunOptions { step: h, integrator, threads };
-    let mut run = Run::new(model, &options, None, None, None).unwrap();
+    let options = RunOptions { integrator, threads };
+    let (mut run, _) = Run::new(model, &options, Start::default()).unwrap();
     let steps = (duration / h).round() as u64;
-    assert_eq!(run.advance(steps, steps, Duration::MAX).unwrap(), steps);
+    assert_eq!(
+        run.advance(Leg { steps, step: h, end: None, output_every: 0 }, Duration::MAX).unwrap(),
+        steps
+    );
     run
 }
 

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 create_exception!(_core, PyModelError, PyValueError, "A model document is wrong.");
 create_exception!(_core, PyConvergenceError, PyRuntimeError, "A solve failed.");
 
-/// A wrong model.
+/// A wrong model, or bytes that are no saved run.
 pub fn model_error(error: &ModelError) -> PyErr {
     PyModelError::new_err(error.to_string())
 }

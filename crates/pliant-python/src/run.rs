@@ -1,12 +1,13 @@
 //! Runs in progress.
 
 use crate::arrays::table;
-use crate::errors::solve_error;
-use numpy::PyArray1;
-use pliant_multibody::run::{Records, Run};
+use crate::errors::{model_error, solve_error};
+use numpy::{PyArray1, PyArray2};
+use pliant_multibody::checkpoint::Saved;
+use pliant_multibody::run::{Leg, Records, Run};
 use pliant_multibody::system::Inputs;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -17,6 +18,8 @@ pub struct PyIntegrator {
     pub run: Mutex<Run>,
     pub failure: CallbackFailure,
     pub sizes: [usize; 3],
+    /// By how much joints changed the initial velocities.
+    pub projection: f64,
 }
 
 /// The exception that the caller's function of time raised, kept until the solve has returned.
@@ -59,13 +62,17 @@ pub fn records<'py>(
     dict.set_item("q", table(py, records.q, nq)?)?;
     dict.set_item("v", table(py, records.v, nv)?)?;
     dict.set_item("a", table(py, records.a, nv)?)?;
-    let lambda_ = if nl == 0 {
-        numpy::PyArray2::zeros(py, [n, 0], false)
-    } else {
-        table(py, records.lambda_, nl)?
+    let some = |numbers: Vec<f64>, columns: usize| {
+        if columns == 0 || n == 0 {
+            Ok(PyArray2::zeros(py, [n, columns], false))
+        } else {
+            table(py, numbers, columns)
+        }
     };
-    dict.set_item("lambda_", lambda_)?;
+    let held = records.inputs.len().checked_div(n).unwrap_or(0);
+    dict.set_item("lambda_", some(records.lambda_, nl)?)?;
     dict.set_item("energy", table(py, records.energy, 5)?)?;
+    dict.set_item("inputs", some(records.inputs, held)?)?;
     Ok(dict)
 }
 
@@ -83,22 +90,57 @@ impl PyIntegrator {
     }
 
     #[getter]
-    fn projection(&mut self) -> f64 {
-        self.run().start().velocity_correction
+    fn steps(&mut self) -> u64 {
+        self.run().steps()
     }
 
-    #[pyo3(signature = (steps, *, output_every = 1, seconds = 0.1))]
+    #[getter]
+    fn projection(&self) -> f64 {
+        self.projection
+    }
+
+    #[pyo3(signature = (steps, step, output_every = 0, *, end = None, seconds = 0.1))]
     fn advance(
         &mut self,
         py: Python<'_>,
         steps: u64,
+        step: f64,
         output_every: u64,
+        end: Option<f64>,
         seconds: f64,
     ) -> PyResult<u64> {
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let run = self.run();
-        let taken = py.detach(|| run.advance(steps, output_every, limit));
+        let leg = Leg { steps, step, end, output_every };
+        let taken = py.detach(|| run.advance(leg, limit));
         taken.map_err(|error| raise(py, &self.failure, &error))
+    }
+
+    fn set_inputs(&mut self, py: Python<'_>, first: usize, values: Vec<f64>) -> PyResult<()> {
+        let outcome = self.run().set_inputs(first, &values);
+        outcome.map_err(|error| solve_error(py, &error))
+    }
+
+    fn save<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.run().save().to_bytes().map_err(|error| model_error(&error))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    fn reset(&mut self, py: Python<'_>, saved: &[u8]) -> PyResult<()> {
+        let saved = Saved::from_bytes(saved).map_err(|error| model_error(&error))?;
+        let run = self.run();
+        let outcome = py.detach(|| run.reset(saved));
+        outcome.map_err(|error| raise(py, &self.failure, &error))
+    }
+
+    fn record(&mut self, py: Python<'_>) -> PyResult<()> {
+        let outcome = self.run().record();
+        outcome.map_err(|error| raise(py, &self.failure, &error))
+    }
+
+    fn present<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let sizes = self.sizes;
+        records(py, self.run().present(), sizes)
     }
 
     fn records<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -114,16 +156,6 @@ impl PyIntegrator {
     #[getter]
     fn v<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.run().state().v)
-    }
-
-    #[getter]
-    fn a<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.run().state().a)
-    }
-
-    #[getter]
-    fn lambda_<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.run().state().lambda_)
     }
 
     fn statistics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

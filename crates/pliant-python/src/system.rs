@@ -5,8 +5,9 @@ use crate::errors::{PyModelError, model_error, solve_error};
 use crate::run::{CallbackFailure, PyIntegrator, raise, records};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pliant_dae::generalized_alpha::Options;
+use pliant_multibody::checkpoint::Saved;
 use pliant_multibody::model::Model;
-use pliant_multibody::run::{Run, RunOptions};
+use pliant_multibody::run::{Run, RunOptions, Start};
 use pliant_multibody::solve::{self, StaticOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -154,32 +155,41 @@ impl PySystem {
         Ok(self.model.cable_mass(cable))
     }
 
-    #[pyo3(signature = (*, step, spectral_radius, tolerance = None, threads = 1, q = None, v = None, inputs = None))]
+    #[pyo3(signature = (*, spectral_radius, tolerance = None, threads = 1, q = None, v = None, held = Vec::new(), inputs = None, saved = None))]
     fn integrator(
         &self,
         py: Python<'_>,
-        step: f64,
         spectral_radius: f64,
         tolerance: Option<f64>,
         threads: usize,
         q: Option<Row<'_>>,
         v: Option<Row<'_>>,
+        held: Vec<f64>,
         inputs: Option<Py<PyAny>>,
+        saved: Option<&[u8]>,
     ) -> PyResult<PyIntegrator> {
         let n = self.model.coordinates();
         let (q, v) = (self.option_row(q, "q", n)?, self.option_row(v, "v", n)?);
+        let saved = saved.map(Saved::from_bytes).transpose();
+        let saved = saved.map_err(|error| model_error(&error))?;
         let failure = CallbackFailure::default();
-        let callback = crate::run::inputs(inputs, &failure);
+        let inputs = crate::run::inputs(inputs, &failure);
         let mut options = Options { spectral_radius, timed: true, ..Options::default() };
         if let Some(tolerance) = tolerance {
             options.newton.tolerance = tolerance;
         }
-        let options = RunOptions { step, integrator: options, threads };
-        let run = py.detach(|| {
-            Run::new(self.model.clone(), &options, q.as_deref(), v.as_deref(), callback)
+        let options = RunOptions { integrator: options, threads };
+        let model = self.model.clone();
+        let run = py.detach(|| match saved {
+            Some(saved) => Ok((Run::resume(model, &options, saved, inputs)?, 0.0)),
+            None => {
+                let start = Start { q: q.as_deref(), v: v.as_deref(), held: &held, inputs };
+                let (run, start) = Run::new(model, &options, start)?;
+                Ok((run, start.velocity_correction))
+            }
         });
-        let run = run.map_err(|error| raise(py, &failure, &error))?;
-        Ok(PyIntegrator { run: Mutex::new(run), failure, sizes: self.sizes() })
+        let (run, projection) = run.map_err(|error| raise(py, &failure, &error))?;
+        Ok(PyIntegrator { run: Mutex::new(run), failure, sizes: self.sizes(), projection })
     }
 
     #[pyo3(signature = (*, load_steps = 1, tolerance = None, stable = true, q = None, inputs = None, poll = None))]

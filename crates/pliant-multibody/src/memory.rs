@@ -1,0 +1,87 @@
+//! What a run remembers beside the state of the integrator: inputs, and integrals over its steps.
+
+use crate::model::Model;
+use pliant_dae::error::Error;
+use pliant_dae::problem::Point;
+use serde::{Deserialize, Serialize};
+
+/// Integrals over the accepted steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Audit {
+    /// Energy dissipated by the material [J].
+    pub dissipated: f64,
+    /// Work of loads [J].
+    pub work: f64,
+}
+
+/// What a run remembers beside the state of the integrator.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Integrals since the start.
+    pub audit: Audit,
+    /// Values of the inputs that are set from outside; those of functions of time follow them.
+    pub held: Vec<f64>,
+    /// The same when the tangent was last asked for: the kept factorisation contains them.
+    held_at_tangent: Vec<f64>,
+    /// Generalized forces of the loads and of damping at the last accepted point.
+    pub(crate) loads: Vec<f64>,
+    pub(crate) damping: Vec<f64>,
+}
+
+impl Memory {
+    /// That of a run that begins with these inputs.
+    #[must_use]
+    pub fn new(held: &[f64]) -> Self {
+        Self { held: held.to_vec(), held_at_tangent: held.to_vec(), ..Self::default() }
+    }
+
+    /// Refuses what belongs to another model.
+    pub(crate) fn check(&self, model: &Model, inputs: usize) -> Result<(), Error> {
+        let full = |forces: &[f64]| if forces.is_empty() { 0 } else { model.coordinates() };
+        for (what, expected, got) in [
+            ("inputs", inputs, self.held.len()),
+            ("inputs of the tangent", inputs, self.held_at_tangent.len()),
+            ("loads", full(&self.loads), self.loads.len()),
+            ("damping", full(&self.damping), self.damping.len()),
+        ] {
+            if expected != got {
+                return Err(Error::Length { what, expected, got });
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes what the tangent is made with.
+    pub(crate) fn note_tangent(&mut self) {
+        self.held_at_tangent.clone_from(&self.held);
+    }
+
+    /// The same with the inputs of the time when the kept factorisation was made.
+    pub(crate) fn at_tangent(&self) -> Self {
+        Self { held: self.held_at_tangent.clone(), ..self.clone() }
+    }
+}
+
+/// Mean of `forces` (added to a vector of zeros) at both ends of a step, times the displacement between. `noted` holds
+/// those at its beginning (empty: to be found) and is left with those at its end; `spare` is scratch.
+pub(crate) fn work(
+    noted: &mut Vec<f64>,
+    spare: &mut Vec<f64>,
+    before: Point<'_>,
+    after: Point<'_>,
+    mut forces: impl FnMut(Point<'_>, &mut [f64]),
+) -> f64 {
+    let n = before.q.len();
+    if noted.is_empty() {
+        noted.resize(n, 0.0);
+        forces(before, noted);
+    }
+    spare.clear();
+    spare.resize(n, 0.0);
+    forces(after, spare);
+    let mean = noted.iter().zip(spare.iter()).map(|(b, a)| 0.5 * (b + a));
+    let moved = after.q.iter().zip(before.q).map(|(a, b)| a - b);
+    let work = mean.zip(moved).map(|(f, d)| f * d).sum();
+    std::mem::swap(noted, spare);
+    work
+}

@@ -1,0 +1,207 @@
+"""What all solvers share: building a system, its inputs and its start, and reading what the core answers."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant import _check
+from pliant._lower import Lowered, lower
+from pliant.bodies import LineBody
+from pliant.errors import ConvergenceError, ModelError, translated
+from pliant.model import Model
+from pliant.result import Records, State, Statistics
+from pliant.typing import FloatArray
+
+if TYPE_CHECKING:
+    from pliant._core import Integrator, System
+
+__all__ = [
+    "CallableInputs",
+    "as_records",
+    "as_statistics",
+    "build",
+    "name_node",
+    "progress_bar",
+    "require_model",
+    "start_vectors",
+    "thread_count",
+    "warn_of_projection",
+]
+
+
+def require_model(model: object) -> Model:
+    if not isinstance(model, Model):
+        _check.fail("model", model, "must be a pliant.Model")
+    if not model._bodies:
+        _check.fail("model", model, "has no bodies; add one, such as model.add_cable(...)")
+    return model
+
+
+def thread_count(threads: int | None) -> int:
+    if threads is not None:
+        return _check.count(threads, "threads", at_most=1024)
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(available, 16)
+
+
+def build(model: Model, state: State | None) -> tuple[Lowered, System]:
+    from pliant import _core
+
+    bodies = None
+    if state is not None:
+        bodies = dict(state.bodies)
+        if state.static:
+            fresh = _initial(model)
+            bodies = {
+                name: b._replace(v_r=fresh[name].v_r, v_t=fresh[name].v_t) for name, b in bodies.items()
+            }
+    lowered = lower(model, bodies)
+    with translated():
+        return lowered, _core.System(lowered.spec, lowered.arrays)
+
+
+def _initial(model: Model) -> Any:
+    from pliant._lower import initial_state
+
+    return initial_state(model)
+
+
+def start_vectors(
+    lowered: Lowered, system: System, state: State | None, model: Model
+) -> tuple[FloatArray | None, FloatArray | None]:
+    """Coordinates and velocities of the state that the run begins with; None: the document's."""
+    if state is None:
+        return None, None
+    q, v = system.initial_q.copy(), system.initial_v.copy()
+    fresh = _initial(model)
+    shared = system.shared_offsets()
+    for name, body in state.bodies.items():
+        moving = fresh[name] if state.static else body
+        if name in lowered.rigid:
+            index = system.rigid_offsets()[lowered.rigid[name]] + np.arange(12)
+            q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
+            continue
+        columns: list[tuple[int, FloatArray, FloatArray]] = [(0, body.r, moving.v_r)]
+        if name in lowered.cables:
+            offsets = system.cable_offsets(lowered.cables[name])
+            columns.append((1, body.t, moving.v_t))
+        else:
+            offsets = shared[[lowered.shared[name]]].reshape(1, 1)
+        for column, place, speed in columns:
+            index = offsets[:, [column]] + np.arange(3)
+            q[index], v[index] = place, speed
+    return q, v
+
+
+class CallableInputs:
+    """Callables of the loads, gathered into one function of time; keeps the error that one of them raised.
+
+    ``held`` are values that stand before theirs: those of inputs, where the core does not hold them itself.
+    """
+
+    def __init__(self, lowered: Lowered, held: FloatArray | None = None) -> None:
+        self._inputs = lowered.inputs
+        self._held = np.empty(0) if held is None else held
+        self._error: BaseException | None = None
+        self.callback: Callable[[float], FloatArray] | None = (
+            self._evaluate if self._inputs or len(self._held) else None
+        )
+
+    def _evaluate(self, t: float) -> FloatArray:
+        values = [self._held]
+        for item in self._inputs:
+            assert item.function is not None
+            try:
+                values.append(item.function(t))
+            except Exception as error:
+                self._error = ModelError(f"load '{item.load}' at t = {t:g} s: {error}")
+                self._error.__cause__ = error
+                raise self._error from error
+            except BaseException as error:
+                self._error = error
+                raise
+        return np.concatenate(values)
+
+    @contextmanager
+    def guarded(self) -> Iterator[None]:
+        """Raise the callable's own error, whatever the core made of it."""
+        try:
+            yield
+        except BaseException:
+            error, self._error = self._error, None
+            if error is not None:
+                raise error from error.__cause__
+            raise
+
+
+@contextmanager
+def progress_bar(progress: bool | None, total: int) -> Iterator[Callable[[int], object]]:
+    if progress or (progress is None and sys.stderr is not None and sys.stderr.isatty()):
+        try:
+            from tqdm import tqdm
+        except ImportError as error:
+            if progress:
+                raise ImportError('the progress bar needs tqdm: pip install "pliant[progress]"') from error
+        else:
+            with tqdm(total=total, leave=False, file=sys.stderr) as bar:
+                yield bar.update
+            return
+    yield lambda _: None
+
+
+def warn_of_projection(
+    integrator: Integrator, system: System, lowered: Lowered, v: FloatArray, state: State | None
+) -> None:
+    """Tell by how much joints changed the velocities of points; a restart's roundoff is not worth a word."""
+    firsts = [system.cable_offsets(k)[:, 0] for k in lowered.cables.values()] + [system.shared_offsets()]
+    index = np.concatenate(firsts)[:, None] + np.arange(3)
+    wanted = v[index]
+    change = float(np.linalg.norm(integrator.v[index] - wanted, axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(wanted, axis=1).max(initial=0.0))
+    if change > 1e-3 * speed and integrator.projection > (1e-9 if state is None else 1e-3) * speed:
+        warnings.warn(
+            f"initial velocities contradict joints; they were projected, by up to {change:.3g} m/s",
+            stacklevel=_levels_to_the_caller(),
+        )
+
+
+def _levels_to_the_caller() -> int:
+    """Levels of the stack from who asks to the line outside of pliant."""
+    level, frame = 0, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("pliant."):
+        level, frame = level + 1, frame.f_back
+    return level + 1
+
+
+def name_node(error: BaseException, model: Model) -> None:
+    """Turn the strand node that the core blames into the node of the body."""
+    if isinstance(error, ConvergenceError) and error.node is not None:
+        body = model._bodies.get(error.body or "")
+        if isinstance(body, LineBody) and error.node < len(body.users):
+            error.node = int(body.users[error.node])
+
+
+def as_records(raw: Any) -> Records:
+    return Records(**{key: np.asarray(value) for key, value in raw.items()})
+
+
+def as_statistics(raw: dict[str, Any]) -> Statistics:
+    try:
+        import resource
+
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
+            1 if sys.platform == "darwin" else 1024
+        )
+    except ImportError:
+        memory = 0
+    known = {
+        key: raw[key] for key in ("steps", "rejected", "newton_iterations", "factorizations") if key in raw
+    }
+    return Statistics(**known, seconds=dict(raw.get("seconds", {})), peak_memory=memory)

@@ -1,0 +1,422 @@
+"""Running a model step by step."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
+
+import numpy as np
+
+from pliant import _check
+from pliant._lower import Lowered, signals_of
+from pliant._running import (
+    CallableInputs,
+    as_records,
+    as_statistics,
+    build,
+    name_node,
+    require_model,
+    start_vectors,
+    thread_count,
+    warn_of_projection,
+)
+from pliant.checkpoints import Checkpoint, read, write
+from pliant.errors import ConvergenceError, FileError, ModelError, translated
+from pliant.model import Model
+from pliant.points import Handle, Joint, Point, PointMass
+from pliant.result import Energy, Reaction, Records, Result, State, Statistics, Strain, Track, require_state
+from pliant.signals import Function
+from pliant.typing import ArrayLike, FloatArray, IntArray, Json
+
+if TYPE_CHECKING:
+    from pliant._core import System
+
+__all__ = ["Stepper"]
+
+T = TypeVar("T")
+
+
+class Stepper:
+    """A run in progress: take steps, look at the present state, set inputs, go back.
+
+    Functions that read the state are those of :class:`pliant.Result`, for one time: shapes lack the first n.
+
+    Parameters
+    ----------
+    model : Model
+        The model; it is not changed.
+    step : float
+        Step [s].
+    start : Result or State, optional
+        The run begins there, at time 0, as in :func:`pliant.simulate`.
+    record_every : int, optional
+        Keep every so manieth step in ``result``; by default the start only.
+    spectral_radius : float, optional
+        Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
+    tolerance : float, optional
+        Newton's tolerance, relative to the size of the model.
+    threads : int, optional
+        Threads; the result does not depend on it.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> model = pl.Model(gravity=(0, 0, -9.81))
+    >>> ball = model.add_point_mass(2.0, at=(0, 0, 0))
+    >>> jet = model.add_force(ball, (0, 0, 1) * pl.Input("jet", initial=2.0 * 9.81))
+    >>> stepper = pl.Stepper(model, step=0.01)
+    >>> while stepper.time < 1.0:
+    ...     error = 0.5 - stepper.position(ball.center)[2]
+    ...     speed = stepper.velocity(ball.center)[2]
+    ...     stepper.set_input("jet", 2.0 * 9.81 + 100.0 * error - 25.0 * speed)
+    ...     stepper.advance()
+    >>> print(f"{stepper.position(ball.center)[2]:.2f}")
+    0.50
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        step: float,
+        start: Result | State | None = None,
+        record_every: int | None = None,
+        spectral_radius: float | None = None,
+        tolerance: float | None = None,
+        threads: int | None = None,
+    ) -> None:
+        model = require_model(model)
+        options: dict[str, Any] = {
+            "step": _check.number(step, "step", above=0),
+            "record_every": 0 if record_every is None else _check.count(record_every, "record_every"),
+            "spectral_radius": 0.8
+            if spectral_radius is None
+            else _check.number(spectral_radius, "spectral_radius", at_least=0, at_most=1),
+            "tolerance": None
+            if tolerance is None
+            else _check.number(tolerance, "tolerance", above=0, below=1),
+        }
+        threads = thread_count(threads)
+        state = None if start is None else require_state(start, "start", model)
+        model = model.copy()
+        lowered, system = build(model, state)
+        if options["spectral_radius"] > 0.98 and system.multipliers > 0:
+            _check.fail(
+                "spectral_radius",
+                options["spectral_radius"],
+                "must be at most 0.98 in a model with constraints: undamped, they oscillate and blow up",
+            )
+        q, v = start_vectors(lowered, system, state, model)
+        self._set_up(model, lowered, system, options, threads, q=q, v=v, held=lowered.held_values.tolist())
+        wanted = v if v is not None else system.initial_v
+        warn_of_projection(self._integrator, system, lowered, wanted, state)
+        self._start = self._integrator.save()
+        self._record()
+
+    def _set_up(
+        self,
+        model: Model,
+        lowered: Lowered,
+        system: System,
+        options: Json,
+        threads: int,
+        **state: Any,
+    ) -> None:
+        self.model = model
+        self._lowered = lowered
+        self._system = system
+        self._options = options
+        self._step: float = options["step"]
+        self._record_every: int = options["record_every"]
+        self._inputs = CallableInputs(lowered)
+        self._chunks: list[Records] = []
+        self._present: Result | None = None
+        self._offsets: dict[str, IntArray] = {}
+        with self._inputs.guarded(), translated():
+            self._integrator = system.integrator(
+                spectral_radius=options["spectral_radius"],
+                tolerance=options["tolerance"],
+                threads=threads,
+                inputs=self._inputs.callback,
+                **state,
+            )
+
+    def __repr__(self) -> str:
+        return f"<Stepper: {self._steps} steps to {self.time:g} s>"
+
+    # Steps
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return self._integrator.time
+
+    def advance(self, steps: int = 1) -> None:
+        """Take steps.
+
+        Parameters
+        ----------
+        steps : int
+            Their number. On failure or Ctrl-C the exception's ``result`` holds what was recorded, and the
+            stepper stays at the last step that it reached.
+        """
+        if steps != 1 or steps is True:
+            steps = _check.count(steps, "steps")
+        while steps > 0:
+            steps -= self._take(steps, self._step, self._record_every)
+
+    def set_input(self, name: str, value: ArrayLike) -> None:
+        """Set a :class:`pliant.Input`; over the next step it goes from what it was to this value.
+
+        Parameters
+        ----------
+        name : str
+            Name of the input.
+        value : float or array_like, shape (3,)
+            As many numbers as its initial value.
+        """
+        slot = self._lowered.held.get(name) if isinstance(name, str) else None
+        if slot is None:
+            known = ", ".join(self._lowered.held) or "there are none"
+            _check.fail("name", name, f"must be an input of the model ({known})")
+        first, initial = slot
+        if len(initial) == 1:
+            values = [_check.number(value, "value")]
+        else:
+            values = _check.vector(value, "value").tolist()
+        self._present = None
+        self._integrator.set_inputs(first, values)
+
+    def reset(self, state: State | None = None) -> None:
+        """Go back, bit for bit, and forget what was recorded.
+
+        Parameters
+        ----------
+        state : State, optional
+            What :attr:`state` was, of this stepper or of one of the same model; by default the start.
+        """
+        saved = self._start
+        if state is not None:
+            state = require_state(state, "state", self.model)
+            if state.saved is None:
+                _check.fail("state", state, "must be the state of a stepper")
+            saved = state.saved
+        with self._inputs.guarded(), translated():
+            self._integrator.reset(saved)
+        self._forget()
+        self._record()
+
+    # What it is now
+
+    @property
+    def state(self) -> State:
+        """Present state: for :meth:`reset`, or as a start; it can be pickled."""
+        return dataclasses.replace(self._now.state(0), saved=self._integrator.save())
+
+    @property
+    def coordinates(self) -> FloatArray:
+        """Coordinates of the whole model, one array."""
+        return self._integrator.q
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities of the whole model, one array."""
+        return self._integrator.v
+
+    @property
+    def statistics(self) -> Statistics:
+        """Steps, iterations, seconds so far."""
+        return as_statistics(self._integrator.statistics())
+
+    @property
+    def result(self) -> Result:
+        """What was recorded."""
+        return self._as_result(self._recorded(), self.statistics)
+
+    def position(self, point: Point | PointMass) -> FloatArray:
+        """Position of a material point [m], (3,)."""
+        now: FloatArray = self._now._at(self.model._point(point, "point"), self._integrator.q[None])[0]
+        return now
+
+    def velocity(self, point: Point | PointMass) -> FloatArray:
+        """Velocity of a material point [m/s], (3,)."""
+        now: FloatArray = self._now._at(self.model._point(point, "point"), self._integrator.v[None])[0]
+        return now
+
+    def positions(self, body: Handle | str) -> FloatArray:
+        """Positions of the nodes of a body [m], (nodes, 3)."""
+        return _only(self._now.positions(body))
+
+    def track(self, point: Point | PointMass) -> Track:
+        """Position, velocity and acceleration of a material point, each (3,)."""
+        return _only(self._now.track(point))
+
+    def reaction(self, joint: Joint) -> Reaction:
+        """Force and moment that a joint exerts on its first body, each (3,)."""
+        return _only(self._now.reaction(joint))
+
+    def axial_force(self, body: Handle | str) -> FloatArray:
+        """Axial force [N] at mid-element, (elements,); of a net the mean in each cable, (cables,)."""
+        return _only(self._now.axial_force(body))
+
+    def strain(self, body: Handle | str) -> Strain:
+        """Axial strain (elements,) and curvature vector [1/m] (elements, 3) at mid-element."""
+        return _only(self._now.strain(body))
+
+    @property
+    def energy(self) -> Energy:
+        """Energies [J]."""
+        return _only(self._now.energy)
+
+    @property
+    def momentum(self) -> FloatArray:
+        """Linear momentum [kg m/s], (3,)."""
+        return _only(self._now.momentum)
+
+    @property
+    def angular_momentum(self) -> FloatArray:
+        """Angular momentum about the world's origin [kg m^2/s], (3,)."""
+        return _only(self._now.angular_momentum)
+
+    def center_of_mass(self, body: Handle | str | None = None) -> FloatArray:
+        """Centre of mass of the model or of one body [m], (3,)."""
+        return _only(self._now.center_of_mass(body))
+
+    # Files
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the run to a file, with what was recorded; :meth:`load` continues it with the same bits."""
+        self._write(path, None)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], model: Model | None = None) -> Stepper:
+        """Continue a run that :meth:`save` or ``simulate(..., checkpoint=...)`` wrote.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        model : Model, optional
+            The model that was run, needed where loads are Python callables: files cannot hold those.
+        """
+        return cls._restored(read(path), model, None)
+
+    # Inside
+
+    @property
+    def _steps(self) -> int:
+        return self._integrator.steps
+
+    @property
+    def _now(self) -> Result:
+        """The present state as a result of one row."""
+        if self._present is None:
+            self._present = self._as_result(as_records(self._integrator.present()), Statistics())
+        return self._present
+
+    def _as_result(self, records: Records, statistics: Statistics) -> Result:
+        result = Result(
+            self.model, self._lowered, records, static=False, statistics=statistics, system=self._system
+        )
+        result._known_offsets = self._offsets
+        return result
+
+    def _take(self, steps: int, step: float, every: int, end: float | None = None, left: int = 0) -> int:
+        """Take steps for about a tenth of a second; the last of those ``left`` lands on the time ``end``."""
+        self._present = None
+        try:
+            return self._integrator.advance(steps, step, every, end=end if steps == left else None)
+        except BaseException as error:
+            self._fail(error)
+
+    def _fail(self, error: BaseException) -> NoReturn:
+        """Raise the error in the words of pliant, with the result so far."""
+        try:
+            with self._inputs.guarded(), translated():
+                raise error
+        except (KeyboardInterrupt, ConvergenceError, ModelError) as clear:
+            name_node(clear, self.model)
+            clear.result = self.result  # type: ignore[union-attr]
+            raise
+
+    def _record(self, again: bool = True) -> None:
+        """Keep the present state; with ``again`` off only where it was not kept already."""
+        if not again:
+            times = self._recorded().time
+            if len(times) and times[-1] == self.time:
+                return
+        try:
+            self._integrator.record()
+        except BaseException as error:
+            self._fail(error)
+
+    def _recorded(self) -> Records:
+        chunks = [*self._chunks, as_records(self._integrator.records())]
+        chunks = [chunk for chunk in chunks if len(chunk.time)] or chunks[-1:]
+        if len(chunks) > 1:
+            names = [entry.name for entry in dataclasses.fields(Records)]
+            joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
+            chunks = [Records(**joined)]
+        self._chunks = chunks
+        return chunks[0]
+
+    def _forget(self) -> None:
+        self._integrator.records()
+        self._chunks.clear()
+        self._present = None
+
+    def _write(self, path: str | os.PathLike[str], run: Json | None) -> None:
+        saved = self._integrator.save()
+        records = self._recorded()
+        write(path, Checkpoint(self.model, self._lowered, self._options, run, self._start, saved, records))
+
+    @classmethod
+    def _restored(cls, saved: Checkpoint, model: Model | None, threads: int | None) -> Stepper:
+        from pliant import _core
+
+        if model is not None:
+            _require_same(require_model(model), saved.model)
+            _give_functions(saved.lowered, model)
+        elif saved.lowered.inputs:
+            _check.fail("model", None, "loads of this run are Python callables: give the model that was run")
+        stepper = cls.__new__(cls)
+        try:
+            with translated():
+                system = _core.System(saved.lowered.spec, saved.lowered.arrays)
+            used = saved.model if model is None else model.copy()
+            threads = thread_count(threads)
+            stepper._set_up(used, saved.lowered, system, saved.options, threads, saved=saved.saved)
+        except (KeyError, TypeError, ModelError) as error:
+            raise FileError(f"the checkpoint cannot be used: {error}") from error
+        stepper._start = saved.start
+        stepper._chunks = [saved.records]
+        return stepper
+
+
+def _only(rows: T) -> T:
+    """Give the only row of what a result reads."""
+    only: Any = rows
+    if dataclasses.is_dataclass(only) and not isinstance(only, type):
+        entries = dataclasses.fields(only)
+        only = dataclasses.replace(only, **{entry.name: getattr(only, entry.name)[0] for entry in entries})
+    else:
+        only = only[0]
+    return cast("T", only)
+
+
+def _require_same(model: Model, saved: Model) -> None:
+    """Refuse a model other than the one that was run."""
+    ours, theirs = (m.to_document(keep_functions=False) for m in (model, saved))
+    for key in ours:
+        if key != "identity" and ours[key] != theirs[key]:
+            _check.fail("model", model, f"is not the model that was run: its {key} differ")
+
+
+def _give_functions(lowered: Lowered, model: Model) -> None:
+    """Put the callables of a model where they are missing, in the order of their numbers."""
+    found: dict[str, list[Function]] = {}
+    for item in [*model._joints.values(), *model._loads.values()]:
+        found[item.name] = [one for signal in signals_of(item) for one in signal.functions()]
+    for entry in lowered.inputs:
+        entry.function = found[entry.load].pop(0)
