@@ -7,7 +7,7 @@ mod support;
 use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::Options;
 use pliant_multibody::model::Model;
-use pliant_multibody::run::{Run, RunOptions};
+use pliant_multibody::run::{Leg, Run, RunOptions, Start};
 use pliant_multibody::solve::{Path, StaticOptions, statics};
 use pliant_multibody::spec::{Array, JointSpec, LoadSpec, ModelSpec, PointSpec, Signal};
 use std::f64::consts::PI;
@@ -50,9 +50,11 @@ fn kinetic_energy(model: &Arc<Model>, path: &Path) -> f64 {
     let n = model.coordinates();
     let q = &path.records.q[path.records.q.len() - n..];
     let integrator = Options { spectral_radius: 0.8, ..Options::default() };
-    let options = RunOptions { step: 1e-3, integrator, threads: 1 };
-    let mut run = Run::new(model.clone(), &options, Some(q), None, None).unwrap();
-    run.advance(200, 200, Duration::MAX).unwrap();
+    let options = RunOptions { integrator, threads: 1 };
+    let start = Start { q: Some(q), ..Start::default() };
+    let (mut run, _) = Run::new(model.clone(), &options, start).unwrap();
+    let leg = Leg { steps: 200, step: 1e-3, end: None, output_every: 0 };
+    run.advance(leg, Duration::MAX).unwrap();
     model.energy(q, &run.state().v)[0]
 }
 
