@@ -398,8 +398,9 @@ def _only(rows: T) -> T:
     """Give the only row of what a result reads."""
     only: Any = rows
     if dataclasses.is_dataclass(only) and not isinstance(only, type):
-        entries = dataclasses.fields(only)
-        only = dataclasses.replace(only, **{entry.name: getattr(only, entry.name)[0] for entry in entries})
+        columns = {entry.name: getattr(only, entry.name) for entry in dataclasses.fields(only)}
+        # A line has no orientation, say.
+        only = dataclasses.replace(only, **{k: rows[0] for k, rows in columns.items() if rows is not None})
     else:
         only = only[0]
     return cast("T", only)

@@ -382,3 +382,23 @@ def test_a_million_steps_neither_leak_nor_drift() -> None:
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     # Less than a byte a step [kB].
     assert grown < 900
+
+
+def test_a_stepper_reads_rigid_bodies():
+    model = pl.Model(gravity=(0, 0, -9.81))
+    bar = model.add_rigid_body(mass=2.0, shape=pl.Box((1.0, 0.1, 0.1)), position=(0.5, 0, 0))
+    hinge = model.hinge(bar.at((-0.5, 0, 0)), None, axis=(0, 1, 0))
+    stepper = pl.Stepper(model, step=1e-3, threads=1)
+    result = pl.simulate(model, duration=0.1, step=1e-3, threads=1)
+    stepper.advance(100)
+    assert np.array_equal(stepper.position(bar.center), result.track(bar.center).position[-1])
+    ours = stepper.track(bar.center).orientation
+    theirs = result.track(bar.center).orientation[-1]
+    assert np.array_equal(ours.as_matrix(), theirs.as_matrix())
+    assert np.array_equal(stepper.reaction(hinge).moment, result.reaction(hinge).moment[-1])
+    before = stepper.state
+    stepper.advance(50)
+    once = stepper.coordinates.copy()
+    stepper.reset(before)
+    stepper.advance(50)
+    assert np.array_equal(stepper.coordinates, once)
