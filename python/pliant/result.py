@@ -52,7 +52,7 @@ class Track:
             raise AttributeError("orientation: only points of rigid bodies have one")
         from scipy.spatial.transform import Rotation
 
-        return Rotation.from_matrix(np.swapaxes(self.axes, 1, 2))
+        return Rotation.from_matrix(np.swapaxes(self.axes, -1, -2))
 
 
 @dataclass(frozen=True)
