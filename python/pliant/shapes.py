@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,23 +17,23 @@ TURN = np.linspace(0.0, 2.0 * np.pi, 33)
 RING = np.stack([np.cos(TURN), np.sin(TURN), np.zeros_like(TURN)], axis=1)
 
 
-class Shape:
+class Shape(ABC):
     """A solid of even density about its centre, axis z."""
 
     @property
+    @abstractmethod
     def volume(self) -> float:
         """Volume [m^3]."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def gyration(self) -> FloatArray:
         """Principal moments of inertia about the centre, per mass [m^2], shape (3,)."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def outline(self) -> list[FloatArray]:
         """Lines that show it, each (k, 3) [m]."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,23 +16,23 @@ from pliant.typing import ArrayLike, FloatArray, Json
 __all__ = ["Function", "Input", "Ramp", "Signal", "Table", "as_signal"]
 
 
-class Signal:
+class Signal(ABC):
     """A value over time. Signals add and multiply with each other and with numbers, vectors and callables."""
 
     __array_ufunc__ = None  # numpy leaves array * signal to the signal
 
     @property
+    @abstractmethod
     def size(self) -> int:
         """Number of components."""
-        raise NotImplementedError
 
+    @abstractmethod
     def __call__(self, t: float) -> FloatArray:
         """Value at time t [s], shape (size,)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def document(self, register: Callable[[Function | Input], int]) -> Json:
         """Write the signal for the core; ``register`` numbers the callables and inputs."""
-        raise NotImplementedError
 
     def functions(self) -> Iterator[Function]:
         """Callables inside."""
