@@ -16,7 +16,8 @@ from pliant._lower import Lowered, lower
 from pliant.bodies import LineBody
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
-from pliant.result import Records, State, Statistics
+from pliant.readings import Statistics
+from pliant.records import Records, State
 from pliant.typing import FloatArray
 
 if TYPE_CHECKING:

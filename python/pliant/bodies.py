@@ -229,6 +229,12 @@ def hermite(xi: FloatArray, length: FloatArray) -> FloatArray:
     )
 
 
+def element_masses(body: LineBody) -> FloatArray:
+    """Mass at five Gauss points of each element [kg], (elements, 5)."""
+    weights = np.polynomial.legendre.leggauss(5)[1] / 2.0
+    return np.broadcast_to(body.mass_per_length, (body.elements, 5)) * weights * body.lengths[:, None]
+
+
 def stretch_of_force(
     force: FloatArray, stiffness: FloatArray, strain: str, tension_only: bool = False
 ) -> FloatArray:

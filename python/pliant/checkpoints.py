@@ -23,7 +23,7 @@ from pliant._lower import Input, Lowered
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
 from pliant.model import Model
-from pliant.result import Records
+from pliant.records import Records
 from pliant.typing import Json
 
 __all__ = ["Checkpoint", "read", "write"]

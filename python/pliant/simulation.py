@@ -29,7 +29,9 @@ from pliant.checkpoints import read
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
 from pliant.points import Handle
-from pliant.result import Records, Result, State, Statistics, require_state
+from pliant.readings import Statistics
+from pliant.records import Records, State
+from pliant.result import Result, require_state
 from pliant.stepper import Stepper
 from pliant.typing import ArrayLike, FloatArray
 

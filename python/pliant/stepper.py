@@ -25,7 +25,9 @@ from pliant.checkpoints import Checkpoint, read, write
 from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.model import Model
 from pliant.points import Handle, Joint, Point, PointMass
-from pliant.result import Energy, Reaction, Records, Result, State, Statistics, Strain, Track, require_state
+from pliant.readings import Energy, Reaction, Statistics, Strain, Track
+from pliant.records import Records, State
+from pliant.result import Result, require_state
 from pliant.signals import Function
 from pliant.typing import ArrayLike, FloatArray, IntArray, Json
 

@@ -33,7 +33,9 @@ from pliant.bodies import LineBody
 from pliant.errors import FileError
 from pliant.files import atomic
 from pliant.model import Model
-from pliant.result import Records, Result, Statistics
+from pliant.readings import Statistics
+from pliant.records import Records
+from pliant.result import Result
 
 __all__ = ["load", "save"]
 

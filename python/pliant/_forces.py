@@ -1,0 +1,125 @@
+"""Readings of a result about forces: reactions, axial forces, strains."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pliant._lookup import Lookup
+from pliant.bodies import GAUSS_5, MassBody, element_masses, hermite
+from pliant.errors import translated
+from pliant.loads import Force, LineLoad
+from pliant.points import Handle, Joint
+from pliant.readings import Reaction, Strain
+from pliant.signals import scaled
+from pliant.typing import FloatArray
+
+__all__ = ["Forces"]
+
+
+class Forces(Lookup):
+    """Readings about forces."""
+
+    def reaction(self, joint: Joint) -> Reaction:
+        """Force and moment that a joint exerts on its first body.
+
+        Parameters
+        ----------
+        joint : Joint
+            Handle that ``pin``, ``hinge`` or another joint returned.
+
+        Returns
+        -------
+        Reaction
+            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Of pins
+            that close a loop of pins at one place, the last carries nothing.
+        """
+        plan = self._plan_of(joint)
+        records = self._records
+        zero = np.zeros((len(self.time), 3))
+        if plan["kind"] == "redundant":
+            return Reaction(zero, zero.copy())
+        if plan["kind"] == "multiplier":
+            with translated():
+                force, moment = self._system.reaction(plan["index"], records.time, records.q, records.lambda_)
+            return Reaction(force, moment)
+        return Reaction(self._shared_force(plan), zero)
+
+    def _shared_force(self, plan: dict[str, Any]) -> FloatArray:
+        """Force of a pin that shares coordinates: what its first side needs beyond what else acts there."""
+        records = self._records
+        factor = self.time if self.is_static else np.ones_like(self.time)
+        gravity = self.model.gravity * factor[:, None]
+        total = np.zeros((len(self.time), 3))
+        inner = [(name, int(node)) for name, node in plan["nodes"]]
+        for name, node in inner:
+            with translated():
+                total += self._system.nodal_force(
+                    self._lowered.cables[name], node, records.q, records.v, records.a
+                )
+        for name in plan["masses"]:
+            mass = self.model._bodies[name]
+            assert isinstance(mass, MassBody)
+            assert mass.at is not None
+            total += mass.mass * (self._at(mass.at, records.a) - gravity)
+        for name, sign in plan["joints"]:
+            total -= sign * self.reaction(Joint(name, self.model.identity)).force
+        for load in self.model._loads.values():
+            weight = 0.0
+            for name, node in inner:
+                if isinstance(load, LineLoad) and load.body == name:
+                    weight += sum(self._body(name).lengths[e] / 2.0 for e, _ in self._ends(name, node))
+                elif isinstance(load, Force) and load.at.body == name:
+                    first, shape = self._body(name).shape(load.at.element, load.at.xi)
+                    weight += float(shape[0] if first == node else shape[2] if first + 1 == node else 0.0)
+            if weight != 0.0:
+                values = [
+                    scaled(load.value, float(t), float(f), self._held(i))
+                    for i, (t, f) in enumerate(zip(self.time, factor, strict=True))
+                ]
+                total -= weight * np.array(values)
+        if self.is_static:
+            for name, node in inner:
+                total += self._node_mass(name, node) * (self.model.gravity - gravity)
+        return total
+
+    def _held(self, i: int) -> dict[str, FloatArray]:
+        """Give the inputs at output i by name."""
+        rows = self._records.inputs
+        return {
+            name: rows[i, first : first + len(initial)] if rows.shape[1] else np.array(initial)
+            for name, (first, initial) in self._lowered.held.items()
+        }
+
+    def _ends(self, name: str, node: int) -> list[tuple[int, int]]:
+        """Elements that meet at a strand node, with the end (0 or 1) that lies there."""
+        first = self._body(name).element_nodes
+        return [(int(e), end) for end in (0, 1) for e in np.flatnonzero(first + end == node)]
+
+    def _node_mass(self, name: str, node: int) -> float:
+        """Share of a uniform acceleration's force that acts on a strand node's position [kg]."""
+        body = self._body(name)
+        return sum(
+            float(element_masses(body)[e] @ hermite(GAUSS_5, np.array(body.lengths[e]))[2 * end])
+            for e, end in self._ends(name, node)
+        )
+
+    def axial_force(self, body: Handle | str) -> FloatArray:
+        """Axial force [N] at mid-element, (n, elements); of a net the mean in each cable, (n, cables)."""
+        data, name = self._line(body)
+        with translated():
+            force = self._system.axial_force(self._lowered.cables[name], self._records.q)
+        if data.kind == "cable":
+            return force
+        starts = np.concatenate([[0], np.cumsum(data.strands)[:-1]])
+        total = np.add.reduceat(force * data.lengths, starts, axis=1)
+        mean: FloatArray = total / np.add.reduceat(data.lengths, starts)
+        return mean
+
+    def strain(self, body: Handle | str) -> Strain:
+        """Axial strain (n, elements) and curvature vector [1/m] (n, elements, 3) at mid-element."""
+        _, name = self._line(body)
+        with translated():
+            axial, curvature = self._system.strain(self._lowered.cables[name], self._records.q)
+        return Strain(axial, curvature)

@@ -1,0 +1,133 @@
+"""Where the things of a model are in the rows of a result."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pliant import _check
+from pliant._lower import Lowered
+from pliant.bodies import LineBody
+from pliant.errors import translated
+from pliant.points import Handle, Joint, Point, WorldPoint, require_handle
+from pliant.readings import Statistics
+from pliant.records import Records
+from pliant.rigid import RigidBodyData
+from pliant.typing import FloatArray, IntArray, Json
+
+if TYPE_CHECKING:
+    from pliant._core import System
+    from pliant.model import Model
+
+__all__ = ["Lookup"]
+
+
+class Lookup:
+    """Rows of a run with the model and the system they belong to."""
+
+    def __init__(
+        self,
+        model: Model,
+        lowered: Lowered,
+        records: Records,
+        *,
+        static: bool,
+        statistics: Statistics,
+        system: System | None = None,
+    ) -> None:
+        self.model = model
+        self.statistics = statistics
+        self.time: FloatArray = records.time
+        self.is_static = static
+        self._records = records
+        self._lowered = lowered
+        self._built = system
+        self._known_offsets: dict[str, IntArray] = {}
+
+    @property
+    def _system(self) -> System:
+        if self._built is None:
+            from pliant import _core
+
+            with translated():
+                self._built = _core.System(self._lowered.spec, self._lowered.arrays)
+        return self._built
+
+    def _name(self, body: object) -> str:
+        if isinstance(body, str):
+            body = self.model[body]
+        if not isinstance(body, Handle):
+            _check.fail("body", body, "must be a body of the model, or its name")
+        self.model._body(body, "body")
+        return body.name
+
+    def _body(self, name: str) -> LineBody:
+        body = self.model._bodies[name]
+        assert isinstance(body, LineBody)
+        return body
+
+    def _line(self, body: object) -> tuple[LineBody, str]:
+        name = self._name(body)
+        data = self.model._bodies[name]
+        if not isinstance(data, LineBody):
+            _check.fail("body", body, "must be a cable or a net of cables")
+        return data, name
+
+    def _offsets(self, name: str) -> IntArray:
+        """Offsets in q: of strand nodes (n, 2), a free mass (1, 1), the vectors of a rigid body (4, 1)."""
+        if name not in self._known_offsets:
+            if name in self._lowered.cables:
+                self._known_offsets[name] = self._system.cable_offsets(self._lowered.cables[name])
+            elif name in self._lowered.rigid:
+                first = self._system.rigid_offsets()[self._lowered.rigid[name]]
+                self._known_offsets[name] = first + 3 * np.arange(4)[:, None]
+            else:
+                self._known_offsets[name] = self._system.shared_offsets()[self._lowered.shared[name]].reshape(
+                    1, 1
+                )
+        return self._known_offsets[name]
+
+    def _nodes(self, body: object, rows: FloatArray) -> FloatArray:
+        name = self._name(body)
+        data = self.model._bodies[name]
+        if isinstance(data, LineBody):
+            offsets = self._offsets(name)[data.first, 0]
+        elif isinstance(data, RigidBodyData):
+            offsets = self._offsets(name)[:1, 0]
+        elif data.at is not None:
+            return self._at(data.at, rows)[:, None]
+        else:
+            offsets = self._offsets(name)[:, 0]
+        return np.ascontiguousarray(rows[:, offsets[:, None] + np.arange(3)])
+
+    def _at(self, point: Point | WorldPoint, rows: FloatArray) -> FloatArray:
+        assert isinstance(point, Point)
+        data = self.model._bodies[point.body]
+        if isinstance(data, RigidBodyData):
+            vectors = rows[:, self._offsets(point.body) + np.arange(3)]
+            place: FloatArray = np.einsum("i,nik->nk", data.weights(point), vectors)
+            return place
+        if not isinstance(data, LineBody):
+            return np.ascontiguousarray(self._nodes(point.body, rows)[:, 0])
+        offsets = self._offsets(point.body)[:, :, None] + np.arange(3)
+        if point.node is not None:
+            return np.ascontiguousarray(rows[:, offsets[data.first[point.node], 0]])
+        first, weights = data.shape(point.element, point.xi)
+        places = (offsets[first, 0], offsets[first, 1], offsets[first + 1, 0], offsets[first + 1, 1])
+        value: FloatArray = sum(w * rows[:, place] for w, place in zip(weights, places, strict=True))
+        return value
+
+    def _momentum(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        with translated():
+            return self._system.momentum(self._records.q, self._records.v)
+
+    def _plan_of(self, joint: object) -> Json:
+        """Tell how a joint is realised."""
+        if not isinstance(joint, Joint):
+            _check.fail("joint", joint, "must be a joint of the model")
+        require_handle(joint, "joint", self.model.identity)
+        if joint.name not in self._lowered.plan:
+            _check.fail("joint", joint, "the model that was run has no such joint")
+        plan: Json = self._lowered.plan[joint.name]
+        return plan

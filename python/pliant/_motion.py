@@ -1,0 +1,130 @@
+"""Readings of a result about motion: nodes, points, joints, states, balances."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pliant import _check
+from pliant._lookup import Lookup
+from pliant._lower import BodyState
+from pliant.bodies import GAUSS_5, LineBody, element_masses, hermite
+from pliant.errors import translated
+from pliant.joints import Hinge
+from pliant.points import Handle, Joint, Point, PointMass, RigidBody
+from pliant.readings import Energy, JointMotion, Track
+from pliant.records import State
+from pliant.typing import FloatArray
+
+__all__ = ["Motion"]
+
+
+class Motion(Lookup):
+    """Readings about motion."""
+
+    def positions(self, body: Handle | str) -> FloatArray:
+        """Positions of the nodes of a body [m], shape (n, nodes, 3)."""
+        return self._nodes(body, self._records.q)
+
+    def velocities(self, body: Handle | str) -> FloatArray:
+        """Velocities of the nodes of a body [m/s], shape (n, nodes, 3)."""
+        return self._nodes(body, self._records.v)
+
+    def track(self, point: Point | PointMass | RigidBody) -> Track:
+        """Motion of a material point, interpolated in its element.
+
+        Parameters
+        ----------
+        point : Point
+            Such as ``rope.end`` or ``rope.at(0.3)``.
+
+        Returns
+        -------
+        Track
+            ``position``, ``velocity``, ``acceleration``, each (n, 3); ``orientation`` on rigid bodies.
+        """
+        at = self.model._point(point, "point")
+        records = self._records
+        axes = None
+        if at.local is not None:
+            offsets = self._offsets(at.body)[1:] + np.arange(3)
+            axes = np.ascontiguousarray(records.q[:, offsets])
+        position, velocity, acceleration = (self._at(at, rows) for rows in (records.q, records.v, records.a))
+        return Track(position, velocity, acceleration, axes)
+
+    def joint(self, joint: Joint) -> JointMotion:
+        """Motion of a joint along its freedom: the angle of a hinge, the way of a slider.
+
+        Parameters
+        ----------
+        joint : Joint
+            Handle that ``hinge`` or ``slider`` returned.
+
+        Returns
+        -------
+        JointMotion
+            ``position`` (zero at the model's start) and ``velocity`` of the first body against the second,
+            each (n,).
+        """
+        plan = self._plan_of(joint)
+        motion = None
+        if plan["kind"] == "multiplier":
+            with translated():
+                motion = self._system.joint_motion(plan["index"], self._records.q, self._records.v)
+        if motion is None:
+            _check.fail("joint", joint, "must be a hinge or a slider, whose freedom is one number")
+        if isinstance(self.model._joints[joint.name], Hinge):
+            motion[:, 0] = np.unwrap(motion[:, 0])
+        return JointMotion(*np.ascontiguousarray(motion.T))
+
+    def state(self, i: int) -> State:
+        """State at output ``i`` (negative numbers count from the end): a start for another run."""
+        n = len(self.time)
+        i = _check.count(i, "i", at_least=-n, at_most=n - 1)
+        records = self._records
+        bodies = {}
+        for name in [*self._lowered.cables, *self._lowered.shared, *self._lowered.rigid]:
+            offsets = self._offsets(name)
+            rows = [
+                vector[offsets[:, [column]] + np.arange(3)] if column < offsets.shape[1] else np.zeros((1, 3))
+                for vector in (records.q[i], records.v[i])
+                for column in (0, 1)
+            ]
+            bodies[name] = BodyState(*rows)
+        return State(
+            self.model, bodies, self.is_static, float(self.time[i]), records.q[i], records.lambda_[i]
+        )
+
+    @property
+    def energy(self) -> Energy:
+        """Energies [J], each (n,)."""
+        return Energy(*np.ascontiguousarray(self._records.energy.T))
+
+    @property
+    def momentum(self) -> FloatArray:
+        """Linear momentum [kg m/s], (n, 3)."""
+        return self._momentum()[0]
+
+    @property
+    def angular_momentum(self) -> FloatArray:
+        """Angular momentum about the world's origin [kg m^2/s], (n, 3)."""
+        return self._momentum()[1]
+
+    def center_of_mass(self, body: Handle | str | None = None) -> FloatArray:
+        """Centre of mass of the model or of one body [m], shape (n, 3)."""
+        if body is None:
+            mass = self._system.masses()[0]
+            center: FloatArray = self._momentum()[2] / mass
+            return center
+        name = self._name(body)
+        data = self.model._bodies[name]
+        if not isinstance(data, LineBody):
+            return self._nodes(name, self._records.q)[:, 0]
+        offsets = self._offsets(name)[:, :, None] + np.arange(3)
+        weights = element_masses(data)
+        shapes = np.einsum("eg,keg->ek", weights, hermite(GAUSS_5[None, :], data.lengths[:, None]))
+        index = np.stack([offsets[data.element_nodes + k // 2, k % 2] for k in range(4)], axis=1)
+        total = np.zeros((len(self.time), 3))
+        for k in range(4):
+            total += np.einsum("e,nei->ni", shapes[:, k], self._records.q[:, index[:, k]])
+        total /= weights.sum()
+        return total

@@ -1,0 +1,93 @@
+"""What is read from a result: arrays with names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pliant.typing import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["Energy", "JointMotion", "Reaction", "Statistics", "Strain", "Track"]
+
+
+@dataclass(frozen=True)
+class Track:
+    """Motion of a point: position [m], velocity [m/s] and acceleration [m/s^2], each (n, 3).
+
+    Attributes
+    ----------
+    axes : (n, 3, 3) or None
+        Axes of the rigid body that holds the point, one a row.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    axes: FloatArray | None = None
+
+    @property
+    def orientation(self) -> Rotation:
+        """Orientation of a rigid body, n Rotations from body axes to the world."""
+        if self.axes is None:
+            raise AttributeError("orientation: only points of rigid bodies have one")
+        from scipy.spatial.transform import Rotation
+
+        return Rotation.from_matrix(np.swapaxes(self.axes, -1, -2))
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """Freedom of a joint: angle [rad], unwrapped, or way [m], and its rate, each (n,)."""
+
+    position: FloatArray
+    velocity: FloatArray
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """What a joint exerts on its first body: force [N] and moment about its point [N m], each (n, 3)."""
+
+    force: FloatArray
+    moment: FloatArray
+
+
+@dataclass(frozen=True)
+class Strain:
+    """Axial strain (n, elements) and curvature vector [1/m] (n, elements, 3) at mid-element."""
+
+    axial: FloatArray
+    curvature: FloatArray
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energies [J], each (n,); ``total`` stays constant."""
+
+    kinetic: FloatArray
+    elastic: FloatArray
+    gravitational: FloatArray
+    dissipated: FloatArray
+    work: FloatArray
+
+    @property
+    def total(self) -> FloatArray:
+        """Kinetic + elastic + gravitational + dissipated - work [J], (n,)."""
+        return self.kinetic + self.elastic + self.gravitational + self.dissipated - self.work
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Counters of a run, seconds by part, and the largest memory of the process [bytes]."""
+
+    steps: int = 0
+    rejected: int = 0
+    newton_iterations: int = 0
+    factorizations: int = 0
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    peak_memory: int = 0
