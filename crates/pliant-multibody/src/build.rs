@@ -13,7 +13,7 @@ use crate::loads::Load;
 use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
 use crate::loads::line::LineLoad;
 use crate::loads::moment::{BodyMoment, Moment};
-use crate::model::{Mass, Model, PlacedJoint, PlacedLoad};
+use crate::model::{Blocks, Mass, Model, PlacedJoint, PlacedLoad};
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
@@ -50,7 +50,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let multipliers = joints.iter().map(|(_, joint)| joint.count()).sum();
     let mut structure = Structure::new(map.coordinates, multipliers);
     map.add_groups(&mut structure);
-    let (blocks, strands) = blocks(spec, arrays, &map, &mut structure)?;
+    let (cables, strands) = blocks(spec, arrays, &map, &mut structure)?;
     let length = model_length(spec, &map, &initial_q);
     let mut scale = vec![length; map.coordinates];
     for node in map.cables.iter().flat_map(|c| &c.nodes) {
@@ -78,7 +78,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
     Ok(Model {
         map,
-        blocks,
+        blocks: Blocks { cables },
         strands,
         cable_masses,
         axial_energy,

@@ -10,14 +10,45 @@ use crate::signal::Value;
 use crate::spec::ModelSpec;
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::{self, LinearSolver};
-use pliant_dae::structure::Structure;
-use pliant_elements::CableBlock;
+use pliant_dae::structure::{self, Storage, Structure};
+use pliant_elements::{Block, CableBlock};
 use std::ops::Range;
 
 /// A block of elements and where its matrices lie among the element values.
-pub(crate) struct PlacedBlock {
-    pub block: CableBlock,
+pub(crate) struct Placed<B> {
+    pub block: B,
     pub values: Range<usize>,
+}
+
+impl<B: Block> Placed<B> {
+    /// Reserves room for the matrices of a block.
+    pub fn new(block: B, structure: &mut Structure) -> Self {
+        let base = structure.reserve(block.values_len());
+        Self { values: base..base + block.values_len(), block }
+    }
+
+    /// Where the matrix of element `e` lies.
+    pub fn slot_of(&self, e: usize) -> structure::Slot {
+        let slot = self.block.slot_of(e);
+        structure::Slot {
+            base: self.values.start + slot.base,
+            stride: slot.stride,
+            storage: Storage::Symmetric,
+        }
+    }
+}
+
+/// All blocks: one list for each kind, for what only that kind can tell.
+#[derive(Default)]
+pub(crate) struct Blocks {
+    pub cables: Vec<Placed<CableBlock>>,
+}
+
+impl Blocks {
+    /// Every block, whatever its kind, and where its matrices lie. The order never changes.
+    pub fn iter(&self) -> impl Iterator<Item = (&dyn Block, &Range<usize>)> {
+        self.cables.iter().map(|placed| (&placed.block as &dyn Block, &placed.values))
+    }
 }
 
 /// Where the elements of one strand are found.
@@ -58,7 +89,7 @@ pub(crate) struct PlacedLoad {
 /// A model made ready to compute with.
 pub struct Model {
     pub(crate) map: DofMap,
-    pub(crate) blocks: Vec<PlacedBlock>,
+    pub(crate) blocks: Blocks,
     /// Strands of each cable.
     pub(crate) strands: Vec<Vec<StrandPlace>>,
     /// Mass of each cable [kg].

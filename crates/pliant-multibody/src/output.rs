@@ -2,17 +2,17 @@
 
 use crate::model::Model;
 use crate::vector::vector;
-use pliant_elements::{Block, CableBlock, Motion, Strain};
+use pliant_elements::{CableBlock, Motion, Strain};
 
 impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
     #[must_use]
     pub fn energy(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
         let mut energy = [0.0; 3];
-        for placed in &self.blocks {
-            energy[0] += placed.block.kinetic_energy(v);
-            energy[1] += placed.block.elastic_energy(q);
-            energy[2] += placed.block.gravitational_energy(q, self.gravity);
+        for (block, _) in self.blocks.iter() {
+            energy[0] += block.kinetic_energy(v);
+            energy[1] += block.elastic_energy(q);
+            energy[2] += block.gravitational_energy(q, self.gravity);
         }
         for mass in &self.masses {
             energy[0] += 0.5 * mass.mass * vector(mass.r.rate(v)).norm_squared();
@@ -29,8 +29,8 @@ impl Model {
     #[must_use]
     pub fn momentum(&self, q: &[f64], v: &[f64]) -> ([f64; 3], [f64; 3]) {
         let (mut linear, mut angular) = (vector([0.0; 3]), vector([0.0; 3]));
-        for placed in &self.blocks {
-            let momentum = placed.block.momentum(q, v);
+        for (block, _) in self.blocks.iter() {
+            let momentum = block.momentum(q, v);
             linear += vector(momentum.linear);
             angular += vector(momentum.angular);
         }
@@ -51,9 +51,9 @@ impl Model {
     #[must_use]
     pub fn masses(&self, q: &[f64]) -> (f64, [f64; 3]) {
         let (mut total, mut moment) = (0.0, vector([0.0; 3]));
-        for placed in &self.blocks {
-            total += placed.block.mass();
-            moment += vector(placed.block.first_moment(q));
+        for (block, _) in self.blocks.iter() {
+            total += block.mass();
+            moment += vector(block.first_moment(q));
         }
         for mass in &self.masses {
             total += mass.mass;
@@ -76,7 +76,7 @@ impl Model {
     fn elements_of(&self, cable: usize) -> impl Iterator<Item = (&CableBlock, usize)> {
         let map = &self.map.cables[cable];
         self.strands[cable].iter().zip(&map.strands).flat_map(|(place, range)| {
-            let block = &self.blocks[place.block].block;
+            let block = &self.blocks.cables[place.block].block;
             (0..range.len()).map(move |i| (block, place.element + i))
         })
     }
@@ -148,7 +148,7 @@ impl Model {
                 continue;
             }
             let local = node - nodes.start;
-            let block = &self.blocks[place.block].block;
+            let block = &self.blocks.cables[place.block].block;
             let after = (node + 1 < nodes.end).then_some((local, 0));
             let before = local.checked_sub(1).map(|e| (e, 6));
             for (e, first) in [before, after].into_iter().flatten() {

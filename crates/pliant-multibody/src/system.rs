@@ -7,7 +7,7 @@ use crate::signal::Moment;
 use pliant_dae::error::Error;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
 use pliant_dae::structure::{Storage, Structure, entry_number};
-use pliant_elements::{self as elements, Block, Motion, Parameter, Workspace};
+use pliant_elements::{self as elements, Motion, Parameter, Workspace};
 use std::sync::Arc;
 
 /// What the caller's functions of time return at a time, all components one after the other.
@@ -170,10 +170,10 @@ impl System {
         let mut rest = std::mem::take(&mut self.scratch.rest);
         rest.resize(v.len(), 0.0);
         let blocks = self.model.blocks.iter().zip(&mut self.workspaces);
-        for (placed, workspace) in blocks.filter(|(placed, _)| placed.block.has_damping()) {
+        for ((block, _), workspace) in blocks.filter(|((block, _), _)| block.has_damping()) {
             let mut add = |v: &[f64], force: &mut [f64]| {
                 let motion = Motion { q, v, a: &rest };
-                placed.block.residual(motion, [0.0; 3], workspace, force, self.parallel);
+                block.residual(motion, [0.0; 3], workspace, force, self.parallel);
             };
             for f in force.iter_mut() {
                 *f = -*f;
@@ -207,9 +207,9 @@ impl System {
             damping: weights.damping,
             stiffness: weights.stiffness,
         };
-        for placed in &self.model.blocks {
-            let values = &mut values[placed.values.clone()];
-            placed.block.tangent(motion, weights, values, self.parallel);
+        for (block, range) in self.model.blocks.iter() {
+            let values = &mut values[range.clone()];
+            block.tangent(motion, weights, values, self.parallel);
         }
     }
 
@@ -325,7 +325,7 @@ impl Problem for System {
     }
 
     fn has_damping(&self) -> bool {
-        self.model.blocks.iter().any(|b| b.block.has_damping())
+        self.model.blocks.iter().any(|(block, _)| block.has_damping())
     }
 
     fn residual(
@@ -338,8 +338,8 @@ impl Problem for System {
         force.fill(0.0);
         let gravity = self.gravity_at(at.t);
         let motion = Motion { q: at.q, v: at.v, a: at.a };
-        for (placed, workspace) in self.model.blocks.iter().zip(&mut self.workspaces) {
-            placed.block.residual(motion, gravity, workspace, force, self.parallel);
+        for ((block, _), workspace) in self.model.blocks.iter().zip(&mut self.workspaces) {
+            block.residual(motion, gravity, workspace, force, self.parallel);
         }
         for mass in &self.model.masses {
             let a = mass.r.rate(at.a);
@@ -449,7 +449,7 @@ impl Problem for System {
                     [p % 3];
             let motion = Motion { q: at.q, v: at.v, a: at.a };
             for strand in strands {
-                let block = &self.model.blocks[strand.block].block;
+                let block = &self.model.blocks.cables[strand.block].block;
                 let gravity = self.gravity_at(at.t);
                 let cable = Some(strand.cable);
                 block.add_parameter_derivative(parameter, cable, motion, gravity, force);

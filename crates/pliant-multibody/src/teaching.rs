@@ -49,7 +49,7 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
             });
         }
     }
-    let block = &model.blocks[0].block;
+    let block = &model.blocks.cables[0].block;
     let rest = [0.0; 12];
     let matrix = |v: &[f64], mass: f64, damping: f64, stiffness: f64| {
         let motion = Motion { q, v, a: &rest };

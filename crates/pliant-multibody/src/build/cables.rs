@@ -3,12 +3,12 @@
 use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
-use crate::model::{PlacedBlock, StrandPlace};
+use crate::model::{Placed, StrandPlace};
 use crate::spec::{BendingSpec, CableSpec, IntegrationSpec, ModelSpec, StrainSpec};
-use pliant_dae::structure::{self, Storage, Structure};
+use pliant_dae::structure::Structure;
 use pliant_elements::{
-    Bending, Block, Cable, CableBlock, CableElement, CableLaw, ElementError, Integration,
-    Reference, Section, Sections, Slack, Strain,
+    Bending, Cable, CableBlock, CableElement, CableLaw, ElementError, Integration, Reference,
+    Section, Sections, Slack, Strain,
 };
 use pliant_math::quadrature::{GAUSS_3, GAUSS_5, LOBATTO_3};
 
@@ -35,7 +35,7 @@ fn law(cable: &CableSpec) -> CableLaw {
     }
 }
 
-type Blocks = (Vec<PlacedBlock>, Vec<Vec<StrandPlace>>);
+type CableBlocks = (Vec<Placed<CableBlock>>, Vec<Vec<StrandPlace>>);
 
 /// One block for each law; every strand is a cable of its block.
 pub(super) fn blocks(
@@ -43,7 +43,7 @@ pub(super) fn blocks(
     arrays: Arrays<'_>,
     map: &DofMap,
     structure: &mut Structure,
-) -> Result<Blocks, ModelError> {
+) -> Result<CableBlocks, ModelError> {
     struct Pending {
         law: CableLaw,
         strands: Vec<Cable>,
@@ -91,8 +91,7 @@ pub(super) fn blocks(
                 .unwrap_or_default(),
             source,
         })?;
-        let base = structure.reserve(block.values_len());
-        blocks.push(PlacedBlock { values: base..base + block.values_len(), block });
+        blocks.push(Placed::new(block, structure));
     }
     for (cable_map, strands) in map.cables.iter().zip(&places) {
         for (k, place) in strands.iter().enumerate() {
@@ -100,15 +99,7 @@ pub(super) fn blocks(
             for (i, pair) in cable_map.nodes[cable_map.strand_nodes(k)].windows(2).enumerate() {
                 let offsets = [pair[0].r, pair[0].t, pair[1].r, pair[1].t];
                 let groups = map.groups_of(offsets.map(|o| o as usize));
-                let slot = placed.block.slot_of(place.element + i);
-                structure.add_element_at(
-                    &groups,
-                    structure::Slot {
-                        base: placed.values.start + slot.base,
-                        stride: slot.stride,
-                        storage: Storage::Symmetric,
-                    },
-                );
+                structure.add_element_at(&groups, placed.slot_of(place.element + i));
             }
         }
     }
