@@ -5,6 +5,7 @@ mod cables;
 use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
+use crate::forces;
 use crate::joints::product::Products;
 use crate::joints::rigidity::rigidity;
 use crate::joints::side::{Frame, Side};
@@ -13,11 +14,11 @@ use crate::loads::Load;
 use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
 use crate::loads::line::LineLoad;
 use crate::loads::moment::{BodyMoment, Moment};
-use crate::model::{Blocks, Mass, Model, PlacedJoint, PlacedLoad};
+use crate::model::{Blocks, Mass, Model, PlacedForce, PlacedJoint, PlacedLoad};
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
-use crate::spec::{LoadSpec, ModelSpec, VERSION};
+use crate::spec::{ForceSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
@@ -76,6 +77,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let rigid_bodies = builder.rigid_bodies(spec)?;
     let (joints, constraint_scale) = builder.joints(joints, length);
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
+    let forces = builder.forces(&spec.forces)?;
     Ok(Model {
         map,
         blocks: Blocks { cables },
@@ -86,6 +88,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         rigid_bodies,
         joints,
         loads,
+        forces,
         gravity: spec.gravity,
         structure,
         multipliers,
@@ -297,6 +300,22 @@ impl Builder<'_> {
             bodies.push(RigidBody { mass: body.mass, euler, first, element });
         }
         Ok(bodies)
+    }
+
+    fn forces(&mut self, specs: &[ForceSpec]) -> Result<Vec<PlacedForce>, ModelError> {
+        let mut first_output = 0;
+        let mut placed = Vec::with_capacity(specs.len());
+        for spec in specs {
+            let support = |points: &[&Interpolation]| self.support(points.iter().copied());
+            let context = forces::Context { map: self.map, support: &support };
+            let force = forces::of_spec(spec, &context)?;
+            let groups = &force.support().groups;
+            let element = self.structure.add_element(groups, force.storage());
+            let outputs = force.output_count();
+            placed.push(PlacedForce { force, element, first_output });
+            first_output += outputs;
+        }
+        Ok(placed)
     }
 
     fn load(&mut self, load: &LoadSpec) -> Result<PlacedLoad, ModelError> {

@@ -5,6 +5,7 @@ pub mod checkpoint;
 pub mod document;
 pub mod dof_map;
 pub mod error;
+pub mod forces;
 pub mod joints;
 pub mod loads;
 pub mod memory;

@@ -26,6 +26,8 @@ pub struct Memory {
     /// Generalized forces of the loads and of damping at the last accepted point.
     pub(crate) loads: Vec<f64>,
     pub(crate) damping: Vec<f64>,
+    /// Stored energy there of forces that store more or less as time goes by.
+    pub(crate) potential: f64,
 }
 
 impl Memory {

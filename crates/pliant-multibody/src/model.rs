@@ -2,6 +2,7 @@
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
+use crate::forces::ForceElement;
 use crate::joints::Joint;
 use crate::loads::Load;
 use crate::point::{Interpolation, Support};
@@ -86,6 +87,13 @@ pub(crate) struct PlacedLoad {
     pub element: Option<usize>,
 }
 
+/// A force, its element matrix and its first number among the outputs.
+pub(crate) struct PlacedForce {
+    pub force: Box<dyn ForceElement>,
+    pub element: usize,
+    pub first_output: usize,
+}
+
 /// A model made ready to compute with.
 pub struct Model {
     pub(crate) map: DofMap,
@@ -100,6 +108,7 @@ pub struct Model {
     pub(crate) rigid_bodies: Vec<RigidBody>,
     pub(crate) joints: Vec<PlacedJoint>,
     pub(crate) loads: Vec<PlacedLoad>,
+    pub(crate) forces: Vec<PlacedForce>,
     pub(crate) gravity: [f64; 3],
     pub(crate) structure: Structure,
     pub(crate) multipliers: usize,
@@ -177,6 +186,12 @@ impl Model {
     #[must_use]
     pub fn joint_multipliers(&self) -> Vec<[usize; 2]> {
         self.joints.iter().map(|j| [j.first, j.joint.equations()]).collect()
+    }
+
+    /// First number and number of numbers among the outputs of each force.
+    #[must_use]
+    pub fn force_outputs(&self) -> Vec<[usize; 2]> {
+        self.forces.iter().map(|f| [f.first_output, f.force.output_count()]).collect()
     }
 
     /// A linear solver for the model's structure.

@@ -23,6 +23,17 @@ impl Interpolation {
         Self { terms, constant: [0.0; 3] }
     }
 
+    /// The vector from `other` to here.
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        let minus = other.terms.iter().map(|&(o, w)| (o, -w));
+        let mut value = Self::weighted(self.terms.iter().copied().chain(minus));
+        for k in 0..3 {
+            value.constant[k] = self.constant[k] - other.constant[k];
+        }
+        value
+    }
+
     /// Its value at coordinates `q`.
     #[must_use]
     pub fn at(&self, q: &[f64]) -> [f64; 3] {

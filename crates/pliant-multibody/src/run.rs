@@ -31,20 +31,24 @@ pub struct Records {
     pub energy: Vec<f64>,
     /// Inputs that are set from outside.
     pub inputs: Vec<f64>,
+    /// What the forces show.
+    pub outputs: Vec<f64>,
 }
 
 impl Records {
     /// Adds a row.
-    pub fn push(&mut self, model: &Model, state: &State, memory: &Memory) {
+    pub fn push(&mut self, system: &System, state: &State) {
+        let memory = system.memory();
         self.time.push(state.t);
         self.q.extend_from_slice(&state.q);
         self.v.extend_from_slice(&state.v);
         self.a.extend_from_slice(&state.a);
         self.lambda_.extend_from_slice(&state.lambda_);
-        let [kinetic, elastic, gravitational] = model.energy(&state.q, &state.v);
+        let [kinetic, elastic, gravitational] = system.energy(state.t, &state.q, &state.v);
         let audit = memory.audit;
         self.energy.extend([kinetic, elastic, gravitational, audit.dissipated, audit.work]);
         self.inputs.extend_from_slice(&memory.held);
+        system.outputs(state.t, &state.q, &state.v, &mut self.outputs);
     }
 }
 
@@ -167,7 +171,7 @@ impl Run {
             on(pool.as_ref(), || Integrator::new(system, solver, options.integrator, 0.0, &q, &v))?;
         integrator.problem_mut().note_loads(0.0, &q);
         let mut balance = Balance::default();
-        let energy = integrator.problem().model().energy(&q, &integrator.state().v);
+        let energy = integrator.problem().energy(0.0, &q, &integrator.state().v);
         balance.begin(energy);
         Ok((Self { integrator, pool, steps: 0, records: Records::default(), balance }, start))
     }
@@ -236,9 +240,10 @@ impl Run {
     /// # Errors
     /// Energy from nowhere; the state is recorded all the same.
     pub fn record(&mut self) -> Result<(), Error> {
+        self.look();
         let system = self.integrator.problem();
         let state = self.integrator.state();
-        self.records.push(system.model(), state, system.memory());
+        self.records.push(system, state);
         let rounding = ROUNDING * system.model().axial_energy;
         let row = &self.records.energy[self.records.energy.len() - 5..];
         let t = state.t;
@@ -249,11 +254,17 @@ impl Run {
 
     /// The present state as one row.
     #[must_use]
-    pub fn present(&self) -> Records {
-        let system = self.integrator.problem();
+    pub fn present(&mut self) -> Records {
+        self.look();
         let mut row = Records::default();
-        row.push(system.model(), self.integrator.state(), system.memory());
+        row.push(self.integrator.problem(), self.integrator.state());
         row
+    }
+
+    /// Makes inputs those of the present time.
+    fn look(&mut self) {
+        let t = self.integrator.state().t;
+        self.integrator.problem_mut().look_at(t);
     }
 
     /// Takes the steps of `leg`, and stops after about `limit` of wall time. Returns the number taken.

@@ -84,7 +84,8 @@ fn follow(
             state.q = point.q;
             state.lambda_ = point.lambda_;
             system.accept(point_of(&before), point_of(&state));
-            path.records.push(model, &state, system.memory());
+            system.look_at(state.t);
+            path.records.push(&system, &state);
             if point.stable == Some(false) {
                 path.unstable.push(point.load);
             }

@@ -44,6 +44,9 @@ pub struct ModelSpec {
     pub joints: Vec<JointSpec>,
     /// Loads.
     pub loads: Vec<LoadSpec>,
+    /// Forces that depend on positions and velocities.
+    #[serde(default)]
+    pub forces: Vec<ForceSpec>,
 }
 
 /// A rigid body: the position of its centre of mass and three axes.
@@ -334,6 +337,27 @@ pub enum LoadSpec {
         cable: usize,
         /// Three components.
         value: Signal,
+    },
+}
+
+/// A force that depends on positions and velocities.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ForceSpec {
+    /// A spring and damper between two points.
+    Spring {
+        /// Name.
+        name: String,
+        /// First point.
+        a: PointSpec,
+        /// Second point.
+        b: PointSpec,
+        /// Stiffness [N/m].
+        stiffness: f64,
+        /// Damping [N s/m].
+        damping: f64,
+        /// Stress-free length [m].
+        length: f64,
     },
 }
 

@@ -1,9 +1,12 @@
 //! A run of a model: the [`Problem`] that the integrator sees.
 
+mod forces;
+
+use crate::forces::Part;
 use crate::memory::{Memory, work};
-use crate::model::{Model, PlacedJoint};
-use crate::point::Support;
+use crate::model::{Model, PlacedForce, PlacedJoint};
 use crate::signal::Moment;
+use forces::{Room, gather};
 use pliant_dae::error::Error;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
 use pliant_dae::structure::{Storage, Structure, entry_number};
@@ -44,6 +47,7 @@ pub struct System {
     input_time: Option<f64>,
     input_values: Vec<f64>,
     scratch: Scratch,
+    room: Room,
     /// Generalized forces at the next accepted point.
     forces: Vec<f64>,
 }
@@ -64,6 +68,7 @@ impl System {
             input_time: None,
             input_values: Vec::new(),
             scratch: Scratch::default(),
+            room: Room::default(),
             forces: Vec::new(),
         }
     }
@@ -141,15 +146,47 @@ impl System {
 
     /// Begins to gather work: notes the loads at the start.
     pub fn note_loads(&mut self, t: f64, q: &[f64]) {
-        if self.model.loads.is_empty() {
+        if !self.model.has_work() {
             return;
         }
         let mut force = vec![0.0; q.len()];
+        let rest = vec![0.0; q.len()];
         // Functions of time that fail here fail in the step itself.
         if self.refresh_inputs(t).is_ok() {
-            self.load_forces(t, q, 1.0, &mut force);
+            self.working_forces((t, q, &rest), &mut force);
+            self.memory.potential = self.changing_energy(t, q, &rest);
         }
         self.memory.loads = force;
+    }
+
+    /// Adds what does work from outside: loads, and forces whose stored energy changes in time, too.
+    fn working_forces(&mut self, (t, q, v): (f64, &[f64], &[f64]), force: &mut [f64]) {
+        self.load_forces(t, q, 1.0, force);
+        let chosen = |placed: &PlacedForce, part| match part {
+            Part::Stored => placed.force.is_rheonomic(),
+            Part::Dissipated => false,
+            Part::Work => true,
+        };
+        self.add_forces((t, q, v), 1.0, chosen, force);
+    }
+
+    /// Kinetic, elastic and gravitational energy at a state [J].
+    #[must_use]
+    pub fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut energy = self.model.energy(q, v);
+        energy[1] += self.model.stored_energy(self.moment(t), q, v);
+        energy
+    }
+
+    /// Appends what the forces show at a state.
+    pub fn outputs(&self, t: f64, q: &[f64], v: &[f64], out: &mut Vec<f64>) {
+        self.model.outputs(self.moment(t), q, v, out);
+    }
+
+    /// Makes sure that the inputs are those of a time, before energy and outputs are read there.
+    pub fn look_at(&mut self, t: f64) {
+        // Functions of time that fail here have failed in the step itself.
+        let _ = self.refresh_inputs(t);
     }
 
     fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
@@ -159,14 +196,9 @@ impl System {
         }
     }
 
-    /// Local coordinates of a support.
-    fn gather(support: &Support, q: &[f64], x: &mut Vec<f64>) {
-        x.clear();
-        x.extend(support.unknowns.iter().map(|&u| q[u]));
-    }
-
     /// What damping adds to the inner forces.
-    fn damping_forces(&mut self, q: &[f64], v: &[f64], force: &mut [f64]) {
+    fn damping_forces(&mut self, t: f64, q: &[f64], v: &[f64], force: &mut [f64]) {
+        self.add_forces((t, q, v), -1.0, |_, part| part == Part::Dissipated, force);
         let mut rest = std::mem::take(&mut self.scratch.rest);
         rest.resize(v.len(), 0.0);
         let blocks = self.model.blocks.iter().zip(&mut self.workspaces);
@@ -195,7 +227,7 @@ impl System {
     ) {
         let x = &mut self.scratch.x;
         for joint in &self.model.joints {
-            Self::gather(joint.joint.support(), q, x);
+            gather(joint.joint.support(), q, x);
             work(joint, x, joint.first..joint.first + joint.joint.equations());
         }
     }
@@ -252,7 +284,7 @@ impl System {
     fn joint_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
         let Scratch { x, jacobian, hessian, .. } = &mut self.scratch;
         for joint in &self.model.joints {
-            Self::gather(joint.joint.support(), at.q, x);
+            gather(joint.joint.support(), at.q, x);
             let (n, m) = (x.len(), joint.joint.equations());
             jacobian.resize(n * m, 0.0);
             joint.joint.jacobian(at.t, x, jacobian);
@@ -322,10 +354,12 @@ impl Problem for System {
     /// Follower forces and moments have none.
     fn has_potential(&self) -> bool {
         self.model.loads.iter().all(|l| l.load.support().is_none())
+            && self.model.forces.iter().all(|f| f.force.has_potential())
     }
 
     fn has_damping(&self) -> bool {
         self.model.blocks.iter().any(|(block, _)| block.has_damping())
+            || self.model.forces.iter().any(|f| f.force.has_damping())
     }
 
     fn residual(
@@ -350,6 +384,7 @@ impl Problem for System {
             body.add_residual(at.a, gravity, force);
         }
         self.load_forces(at.t, at.q, -1.0, force);
+        self.add_forces((at.t, at.q, at.v), -1.0, |_, _| true, force);
         let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
         self.each_joint(at.q, |joint, x, equations| {
             joint.joint.residual(at.t, x, &mut phi[equations.clone()]);
@@ -375,12 +410,13 @@ impl Problem for System {
         self.rigid_tangents(weights.mass, values);
         self.joint_tangents(at, weights, values);
         self.load_tangents(at, weights.stiffness, values);
+        self.force_tangents(at, weights, values);
     }
 
     fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]) {
         let mut v = std::mem::take(&mut self.scratch.phi);
         self.each_joint(at.q, |joint, x, equations| {
-            Self::gather(joint.joint.support(), at.v, &mut v);
+            gather(joint.joint.support(), at.v, &mut v);
             joint.joint.acceleration(at.t, x, &v, &mut out[equations]);
         });
         self.scratch.phi = v;
@@ -390,8 +426,8 @@ impl Problem for System {
         let mut v = std::mem::take(&mut self.scratch.phi);
         let mut a = std::mem::take(&mut self.scratch.jacobian);
         self.each_joint(at.q, |joint, x, equations| {
-            Self::gather(joint.joint.support(), at.v, &mut v);
-            Self::gather(joint.joint.support(), at.a, &mut a);
+            gather(joint.joint.support(), at.v, &mut v);
+            gather(joint.joint.support(), at.a, &mut a);
             joint.joint.jerk(at.t, x, &v, &a, &mut out[equations]);
         });
         self.scratch.phi = v;
@@ -411,27 +447,32 @@ impl Problem for System {
             let mut forces = std::mem::take(&mut self.forces);
             self.memory.audit.dissipated +=
                 work(&mut noted, &mut forces, before, after, |at, force| {
-                    self.damping_forces(at.q, at.v, force);
+                    // Inputs that fail here have failed in the step itself.
+                    if self.refresh_inputs(at.t).is_ok() {
+                        self.damping_forces(at.t, at.q, at.v, force);
+                    }
                 });
             (self.memory.damping, self.forces) = (noted, forces);
         }
-        if !self.model.loads.is_empty() {
+        if self.model.has_work() {
             let mut noted = std::mem::take(&mut self.memory.loads);
             let mut forces = std::mem::take(&mut self.forces);
             self.memory.audit.work += work(&mut noted, &mut forces, before, after, |at, force| {
-                // Inputs that fail here have failed in the step itself.
                 if self.refresh_inputs(at.t).is_ok() {
-                    self.load_forces(at.t, at.q, 1.0, force);
+                    self.working_forces((at.t, at.q, at.v), force);
                 }
             });
+            let potential = self.changing_energy(after.t, after.q, after.v);
+            self.memory.audit.work += potential - self.memory.potential;
+            self.memory.potential = potential;
             (self.memory.loads, self.forces) = (noted, forces);
         }
     }
 
     /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each
-    /// load: a factor of its value.
+    /// load: a factor of its value; then one for each force: a factor of all that it exerts.
     fn parameters(&self) -> usize {
-        3 * self.model.strands.len() + self.model.loads.len()
+        3 * self.model.strands.len() + self.model.loads.len() + self.model.forces.len()
     }
 
     fn parameter_derivative(
@@ -454,8 +495,15 @@ impl Problem for System {
                 let cable = Some(strand.cable);
                 block.add_parameter_derivative(parameter, cable, motion, gravity, force);
             }
-        } else if let Some(load) = self.model.loads.get(p - 3 * self.model.strands.len()) {
+            return;
+        }
+        let p = p - 3 * self.model.strands.len();
+        if let Some(load) = self.model.loads.get(p) {
             load.load.add_force(load.value.at(self.moment(at.t)), at.q, -1.0, force);
+        } else if let Some(chosen) = self.model.forces.get(p - self.model.loads.len()) {
+            let element = chosen.element;
+            let only = |placed: &PlacedForce, _| placed.element == element;
+            self.add_forces((at.t, at.q, at.v), -1.0, only, force);
         }
     }
 

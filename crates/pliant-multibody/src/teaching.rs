@@ -36,6 +36,7 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
         masses: Vec::new(),
         joints: Vec::new(),
         loads: Vec::new(),
+        forces: Vec::new(),
     };
     let model = Model::new(&spec, &[])?;
     for (what, array) in

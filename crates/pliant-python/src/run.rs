@@ -73,6 +73,8 @@ pub fn records<'py>(
     dict.set_item("lambda_", some(records.lambda_, nl)?)?;
     dict.set_item("energy", table(py, records.energy, 5)?)?;
     dict.set_item("inputs", some(records.inputs, held)?)?;
+    let shown = records.outputs.len().checked_div(n).unwrap_or(0);
+    dict.set_item("outputs", some(records.outputs, shown)?)?;
     Ok(dict)
 }
 

@@ -138,6 +138,13 @@ impl PySystem {
         PyArray1::from_iter(py, flat).reshape([joints.len(), 2])
     }
 
+    fn force_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        use numpy::PyArrayMethods;
+        let forces = self.model.force_outputs();
+        let flat = forces.iter().flatten().map(|&x| x as i64);
+        PyArray1::from_iter(py, flat).reshape([forces.len(), 2])
+    }
+
     fn describe_solver(&self, py: Python<'_>) -> PyResult<String> {
         match self.model.solver(false) {
             Ok(solver) => Ok(solver.describe()),
@@ -356,16 +363,6 @@ impl PySystem {
             out
         });
         table(py, forces, 3)
-    }
-
-    fn energy<'py>(&self, py: Python<'py>, q: Rows<'py>, v: Rows<'py>) -> PyResult<Table<'py>> {
-        let (q, v) = (self.states(&q)?, self.states(&v)?);
-        let n = self.model.coordinates().max(1);
-        let mut out = Vec::new();
-        for (q, v) in q.chunks_exact(n).zip(v.chunks_exact(n)) {
-            out.extend(self.model.energy(q, v));
-        }
-        table(py, out, 3)
     }
 
     fn momentum<'py>(

@@ -77,12 +77,7 @@ impl Side<'_> {
 /// `r_a - r_b`.
 #[must_use]
 pub fn gap(a: &Side<'_>, b: &Side<'_>) -> Arm {
-    let minus = b.r.terms.iter().map(|&(o, w)| (o, -w));
-    let mut value = Interpolation::weighted(a.r.terms.iter().copied().chain(minus));
-    for k in 0..3 {
-        value.constant[k] = a.r.constant[k] - b.r.constant[k];
-    }
-    Arm { value, role: Role::Gap }
+    Arm { value: a.r.minus(&b.r), role: Role::Gap }
 }
 
 /// The points coincide: `(r_a - r_b).e_k = 0`, minus the multipliers are the force on a.

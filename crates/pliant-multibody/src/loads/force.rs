@@ -106,7 +106,7 @@ impl Load for BodyForce {
     }
 }
 
-/// `out += sum_ij w_i w_j k` over the terms of two interpolations: the Jacobian of a force at `r` that depends on `t`.
+/// The Jacobian of a force at `r` that depends on `t` by the matrix `k`.
 pub(super) fn add_outer(
     support: &Support,
     r: &Interpolation,
@@ -114,15 +114,6 @@ pub(super) fn add_outer(
     k: &Matrix3<f64>,
     out: &mut [f64],
 ) {
-    let n = support.unknowns.len();
     let (r, t) = (support.localize(r), support.localize(t));
-    for &(i, w_i) in &r.terms {
-        for &(j, w_j) in &t.terms {
-            for a in 0..3 {
-                for b in 0..3 {
-                    out[(i + a) * n + j + b] += w_i * w_j * k[(a, b)];
-                }
-            }
-        }
-    }
+    crate::forces::add_outer(&r, &t, k, support.unknowns.len(), out);
 }

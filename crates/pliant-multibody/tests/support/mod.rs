@@ -45,6 +45,7 @@ pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec
         masses: Vec::new(),
         joints,
         loads: Vec::new(),
+        forces: Vec::new(),
     }
 }
 

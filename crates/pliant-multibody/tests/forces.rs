@@ -1,0 +1,172 @@
+//! Every kind of force: the stored part against differences of the energy, the tangent against differences of the
+//! force, dampers that only take, and the balance of energy in a run.
+
+mod support;
+
+use pliant_dae::generalized_alpha::Options;
+use pliant_dae::problem::{Point, Problem, Weights};
+use pliant_multibody::model::Model;
+use pliant_multibody::run::{Leg, Run, RunOptions, Start};
+use pliant_multibody::spec::{
+    Array, ForceSpec, JointSpec, MassSpec, ModelSpec, PointSpec, RigidBodySpec,
+};
+use pliant_multibody::system::{Mode, System};
+use std::sync::Arc;
+use std::time::Duration;
+
+fn body(name: &str, position: [f64; 3], angle: f64) -> RigidBodySpec {
+    let (s, c) = angle.sin_cos();
+    RigidBodySpec {
+        name: name.to_owned(),
+        mass: 1.5,
+        inertia: [[0.2, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.0, 0.4]],
+        position,
+        axes: [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]],
+        velocity: [0.3, -0.1, 0.2],
+        angular_velocity: [0.4, 0.3, -0.5],
+    }
+}
+
+fn on_body(rigid: usize, local: [f64; 3]) -> PointSpec {
+    PointSpec::Rigid { rigid, local }
+}
+
+/// Two bodies and a point mass, with these joints and forces.
+fn document(joints: Vec<JointSpec>, forces: Vec<ForceSpec>) -> ModelSpec {
+    let mut document = support::document([0.0; 3], Vec::new(), joints);
+    document.rigid_bodies =
+        vec![body("left", [0.1, -0.2, 0.3], 0.4), body("right", [0.9, 0.4, -0.1], -0.7)];
+    document.shared_points = Array::Inline(vec![0.2, 0.8, 0.5]);
+    document.shared_velocities = Array::Inline(vec![-0.3, 0.1, 0.7]);
+    let at = PointSpec::Shared { shared: 0 };
+    document.masses = vec![MassSpec { name: "ball".to_owned(), mass: 0.8, at }];
+    document.forces = forces;
+    document
+}
+
+/// One of each kind and of each of its cases, with the joints that it needs.
+fn specs() -> Vec<(Vec<JointSpec>, ForceSpec)> {
+    let spring = |a, b, [stiffness, damping, length]: [f64; 3]| {
+        let name = "spring".to_owned();
+        (Vec::new(), ForceSpec::Spring { name, a, b, stiffness, damping, length })
+    };
+    let ball = || PointSpec::Shared { shared: 0 };
+    let world = || PointSpec::World { world: [0.3, 0.2, -0.6] };
+    vec![
+        spring(on_body(0, [0.3, -0.2, 0.5]), on_body(1, [-0.1, 0.4, 0.2]), [30.0, 0.0, 0.7]),
+        spring(on_body(0, [0.3, -0.2, 0.5]), ball(), [30.0, 4.0, 0.7]),
+        spring(ball(), world(), [30.0, 4.0, 0.0]),
+    ]
+}
+
+fn model(joints: Vec<JointSpec>, force: ForceSpec) -> Arc<Model> {
+    Arc::new(Model::new(&document(joints, vec![force]), &[]).unwrap())
+}
+
+fn moved(x: &[f64], by: &[f64], factor: f64) -> Vec<f64> {
+    x.iter().zip(by).map(|(x, d)| x + factor * d).collect()
+}
+
+fn noise(n: usize, seed: f64) -> Vec<f64> {
+    (0..n).map(|i| (1.7 * (i + 1) as f64 + 12.3 * seed).sin()).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// What the forces add to the left-hand side: the residual without inertia, weight and multipliers.
+fn force(system: &mut System, q: &[f64], v: &[f64]) -> Vec<f64> {
+    let (n, m) = (system.velocities(), system.multipliers());
+    let (mut force, mut phi) = (vec![0.0; n], vec![0.0; m]);
+    let at = Point { t: 0.3, q, v, a: &vec![0.0; n], lambda_: &vec![0.0; m] };
+    system.residual(at, &mut force, &mut phi).unwrap();
+    force
+}
+
+#[test]
+fn every_kind_is_here() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/forces");
+    let files = std::fs::read_dir(folder).unwrap().count() - 1;
+    let mut kinds: Vec<String> = Vec::new();
+    for (_, spec) in specs() {
+        let text = format!("{spec:?}");
+        kinds.push(text.split(' ').next().unwrap().to_owned());
+    }
+    kinds.dedup();
+    assert_eq!(files, kinds.len(), "{kinds:?}");
+}
+
+#[test]
+fn stored_forces_are_derivatives_of_the_energy() {
+    for (joints, spec) in specs() {
+        let model = model(joints, spec.clone());
+        let n = model.coordinates();
+        let mut system = System::new(model.clone(), Mode::Dynamic, None, false);
+        let q = moved(model.initial_q(), &noise(n, 2.0), 0.1);
+        let (by, rest) = (noise(n, 3.0), vec![0.0; n]);
+        let h = 1e-4;
+        let energy = |factor: f64| system.energy(0.3, &moved(&q, &by, factor), &rest)[1];
+        let slope = (energy(h) - energy(-h)) / (2.0 * h);
+        let found = dot(&force(&mut system, &q, &rest), &by);
+        // Central differences: h^2 times third derivatives of some hundreds.
+        assert!((slope - found).abs() < 1e-5, "{spec:?}: {found} and {slope}");
+    }
+}
+
+#[test]
+fn tangents_are_derivatives_of_forces() {
+    for (joints, spec) in specs() {
+        let model = model(joints, spec.clone());
+        let n = model.coordinates();
+        let mut system = System::new(model.clone(), Mode::Dynamic, None, false);
+        let (q, v) = (moved(model.initial_q(), &noise(n, 2.0), 0.1), noise(n, 4.0));
+        let by = noise(n, 3.0);
+        let h = 1e-5;
+        for (stiffness, damping) in [(1.0, 0.0), (0.0, 1.0)] {
+            let mut at = |factor: f64| {
+                let (dq, dv) = (factor * stiffness, factor * damping);
+                force(&mut system, &moved(&q, &by, dq), &moved(&v, &by, dv))
+            };
+            let (plus, minus) = (at(h), at(-h));
+            let weights = Weights { mass: 0.0, damping, stiffness, jacobian: 0.0 };
+            let m = system.multipliers();
+            let point = Point { t: 0.3, q: &q, v: &v, a: &vec![0.0; n], lambda_: &vec![0.0; m] };
+            let mut values = vec![0.0; system.structure().values()];
+            system.tangent(point, weights, &mut values);
+            let (mut x, mut out) = (by.clone(), vec![0.0; n + m]);
+            x.resize(n + m, 0.0);
+            system.structure().multiply_add(&values, &x, &mut out, false);
+            for i in 0..n {
+                let slope = (plus[i] - minus[i]) / (2.0 * h);
+                // h^2 times third derivatives of some thousands, and rounding over h.
+                assert!((slope - out[i]).abs() < 1e-6, "{spec:?}, row {i}: {} and {slope}", out[i]);
+            }
+        }
+    }
+}
+
+/// Errors in the balance of energy over two seconds at steps h and h/2: second order, and small.
+#[test]
+fn energy_is_accounted_for() {
+    for (joints, spec) in specs() {
+        let drift = |h: f64| {
+            let options = RunOptions { integrator: Options::default(), threads: 1 };
+            let model = model(joints.clone(), spec.clone());
+            let (mut run, _) = Run::new(model, &options, Start::default()).unwrap();
+            run.record().unwrap();
+            let steps = (2.0 / h).round() as u64;
+            let leg = Leg { steps, step: h, end: None, output_every: steps };
+            run.advance(leg, Duration::MAX).unwrap();
+            let energy = run.take_records().energy;
+            let total = |row: &[f64]| row[0] + row[1] + row[2] + row[3] - row[4];
+            (total(&energy[5..]) - total(&energy[..5]), energy[8])
+        };
+        let ((coarse, _), (fine, lost)) = (drift(4e-3), drift(2e-3));
+        let order = (coarse / fine).abs().log2();
+        assert!(order > 1.7 || fine.abs() < 1e-7, "{spec:?}: {coarse:.2e}, {fine:.2e}");
+        // Of some joules in play, with a hundred steps a period.
+        assert!(fine.abs() < 5e-4, "{spec:?}: {fine:.2e}");
+        assert!(lost >= 0.0, "{spec:?} gave {lost}");
+    }
+}
