@@ -10,6 +10,7 @@ import numpy as np
 from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
+from pliant.forces import ForceData
 from pliant.joints import JointData, Pair
 from pliant.loads import LineLoad, LoadData
 from pliant.points import (
@@ -101,7 +102,9 @@ class Contents:
             else:
                 self._directed_point(joint.a, "point")
         for load in self._loads.values():
-            if not isinstance(load, LineLoad):
+            if isinstance(load, ForceData):
+                places += [(point, (Point, WorldPoint)) for point in load.points()]
+            elif not isinstance(load, LineLoad):
                 places.append((load.at, (Point,)))
             elif not isinstance(self._bodies[load.body], LineBody):
                 raise ModelError(f"load '{load.name}': '{load.body}' is no cable")

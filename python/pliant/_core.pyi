@@ -29,6 +29,7 @@ class Records(TypedDict):
     lambda_: FloatArray  # (n, nl)
     energy: FloatArray  # (n, 5) kinetic, elastic, gravitational, dissipated, work [J]
     inputs: FloatArray  # (n, inputs that are set from outside)
+    outputs: FloatArray  # (n, what the forces show, one after the other)
 
 class System:
     """A model made ready to compute with.
@@ -55,6 +56,8 @@ class System:
         """Offsets in q of the centres of the rigid bodies, whose three axes follow, shape (bodies,)."""
     def joint_offsets(self) -> IntArray:
         """First multiplier and number of multipliers of each joint, then of each rigid body, (k, 2)."""
+    def force_offsets(self) -> IntArray:
+        """First number among the outputs and number of numbers of each force, (k, 2)."""
     def describe_solver(self) -> str: ...
     def masses(self) -> tuple[float, FloatArray]:
         """Total mass [kg] and first moment at the start, shape (3,) [kg m]."""
@@ -117,8 +120,6 @@ class System:
         a: FloatArray,
     ) -> FloatArray:
         """Force [N] that everything else exerts on this cable's node (inertia included), shape (n, 3)."""
-    def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Kinetic, elastic and gravitational energy [J], shape (n, 3)."""
     def momentum(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Linear and angular momentum (about the world origin) and first moment of mass, each (n, 3)."""
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
+from pliant.forces import FORCES
 from pliant.joints import JOINTS
 from pliant.loads import Force, LineLoad, Moment
 from pliant.points import Point, WorldPoint
@@ -26,6 +27,7 @@ KINDS: Mapping[str, type[Any]] = {
         RigidBodyData,
         *SHAPES,
         *JOINTS,
+        *FORCES,
         Force,
         Moment,
         LineLoad,

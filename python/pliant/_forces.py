@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from pliant import _check
 from pliant._lookup import Lookup
 from pliant.bodies import GAUSS_5, MassBody, element_masses, hermite
 from pliant.errors import translated
+from pliant.forces import ForceData, Spring
 from pliant.loads import Force, LineLoad
-from pliant.points import Handle, Joint
-from pliant.readings import Reaction, Strain
+from pliant.points import Handle, Joint, Load, require_handle
+from pliant.readings import Reaction, SpringForce, Strain
 from pliant.signals import scaled
 from pliant.typing import FloatArray
 
@@ -45,6 +47,31 @@ class Forces(Lookup):
                 force, moment = self._system.reaction(plan["index"], records.time, records.q, records.lambda_)
             return Reaction(force, moment)
         return Reaction(self._shared_force(plan), zero)
+
+    def spring(self, spring: Load) -> SpringForce:
+        """Length and force of a spring.
+
+        Parameters
+        ----------
+        spring : Load
+            Handle that ``add_spring`` returned.
+
+        Returns
+        -------
+        SpringForce
+            ``length`` [m], ``rate`` [m/s] and ``force`` [N] (pulling: above zero), each (n,).
+        """
+        return SpringForce(*self._outputs(spring, Spring, "spring", "a spring of the model"))
+
+    def _outputs(self, load: object, kind: type[ForceData], name: str, what: str) -> FloatArray:
+        """Numbers that a force of this kind shows, one a row, (numbers, n)."""
+        if not isinstance(load, Load):
+            _check.fail(name, load, f"must be {what}")
+        require_handle(load, name, self.model.identity)
+        if not isinstance(self.model._loads.get(load.name), kind):
+            _check.fail(name, load, f"must be {what}")
+        first, count = self._system.force_offsets()[self._lowered.forces[load.name]]
+        return np.ascontiguousarray(self._records.outputs[:, first : first + count].T)
 
     def _shared_force(self, plan: dict[str, Any]) -> FloatArray:
         """Force of a pin that shares coordinates: what its first side needs beyond what else acts there."""

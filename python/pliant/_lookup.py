@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant import _check
-from pliant._lower import Lowered
+from pliant._lowered import Lowered
 from pliant.bodies import LineBody
 from pliant.errors import translated
 from pliant.points import Handle, Joint, Point, WorldPoint, require_handle

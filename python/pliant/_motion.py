@@ -6,7 +6,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._lookup import Lookup
-from pliant._lower import BodyState
+from pliant._lowered import BodyState
 from pliant.bodies import GAUSS_5, LineBody, element_masses, hermite
 from pliant.errors import translated
 from pliant.joints import Hinge

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
-from pliant._lower import Lowered, lower
+from pliant._lower import lower
+from pliant._lowered import Lowered
 from pliant.bodies import LineBody
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
@@ -69,7 +70,7 @@ def build(model: Model, state: State | None) -> tuple[Lowered, System]:
 
 
 def _initial(model: Model) -> Any:
-    from pliant._lower import initial_state
+    from pliant._lowered import initial_state
 
     return initial_state(model)
 

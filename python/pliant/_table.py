@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pliant.bodies import LineBody
+from pliant.forces import ForceData
 from pliant.joints import Pair
 from pliant.loads import Force, LineLoad
 from pliant.rigid import RigidBodyData
@@ -46,6 +48,14 @@ def describe(model: Model) -> str:
     for name, load in model._loads.items():
         if isinstance(load, LineLoad):
             rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))
+        elif isinstance(load, ForceData):
+            numbers = (
+                f"{entry.name} {getattr(load, entry.name):g}"
+                for entry in dataclasses.fields(load)
+                if isinstance(getattr(load, entry.name), float)
+            )
+            places = " to ".join(str(point) for point in load.points())
+            rows.append((name, type(load).__name__.lower(), f"{', '.join(numbers)}, {places}"))
         elif isinstance(load, Force):
             rows.append(
                 (name, "follower force" if load.follower else "force", f"{_value(load.value)} N at {load.at}")

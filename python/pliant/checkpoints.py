@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant._lower import Input, Lowered
+from pliant._lowered import Input, Lowered
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
 from pliant.model import Model

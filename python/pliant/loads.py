@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pliant import _check
+from pliant.forces import ForceData
 from pliant.points import Point
 from pliant.signals import Signal
 
@@ -49,7 +50,7 @@ class LineLoad:
         _check_load(self.name, self.value)
 
 
-LoadData = Force | Moment | LineLoad
+LoadData = Force | Moment | LineLoad | ForceData
 
 
 def _check_load(name: object, value: object) -> None:

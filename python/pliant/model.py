@@ -12,7 +12,7 @@ import numpy as np
 from pliant import _check
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
-from pliant._mechanism import Mechanism
+from pliant._drives import Drives
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
@@ -27,7 +27,7 @@ from pliant.typing import ArrayLike, FloatArray, Json
 __all__ = ["Model"]
 
 
-class Model(Mechanism):
+class Model(Drives):
     """A collection of bodies, joints and loads.
 
     Parameters

@@ -13,7 +13,7 @@ from pliant.typing import FloatArray
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Energy", "JointMotion", "Reaction", "Statistics", "Strain", "Track"]
+__all__ = ["Energy", "JointMotion", "Reaction", "SpringForce", "Statistics", "Strain", "Track"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,15 @@ class Reaction:
 
     force: FloatArray
     moment: FloatArray
+
+
+@dataclass(frozen=True)
+class SpringForce:
+    """A spring: length [m], its rate [m/s], and the force by which it pulls its points together [N], each (n,)."""
+
+    length: FloatArray
+    rate: FloatArray
+    force: FloatArray
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pliant._lower import BodyState
+from pliant._lowered import BodyState
 from pliant.model import Model
 from pliant.typing import FloatArray
 
@@ -24,6 +24,7 @@ class Records:
     lambda_: FloatArray
     energy: FloatArray
     inputs: FloatArray
+    outputs: FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -490,6 +490,7 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
         np.zeros((1, system.multipliers)),
         np.zeros((1, 5)),
         np.zeros((1, 0)),
+        np.zeros((1, 0)),
     )
     return Modes(
         np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi),

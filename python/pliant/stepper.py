@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
 import numpy as np
 
 from pliant import _check
-from pliant._lower import Lowered, signals_of
+from pliant._lowered import Lowered, signals_of
 from pliant._running import (
     CallableInputs,
     as_records,

@@ -1,6 +1,6 @@
 """Results as HDF5 files.
 
-Layout (format "pliant-result", version 2)::
+Layout (format "pliant-result", version 3)::
 
     /                     attributes format, version, kind ("dynamic" or "static"), digest
     /model                the model as a JSON document (text)
@@ -8,7 +8,8 @@ Layout (format "pliant-result", version 2)::
     /lowered/arrays/<k>   the arrays that the document points at
     /records/time         (n,) [s] or load factors
     /records/q, v, a      (n, coordinates); /records/lambda (n, constraints); /records/energy (n, 5): kinetic,
-                          elastic, gravitational, dissipated, work [J]; /records/inputs (n, inputs)
+                          elastic, gravitational, dissipated, work [J]; /records/inputs (n, inputs);
+                          /records/outputs (n, numbers): what springs and other forces show
     /offsets/<body>       (nodes,) first of the three columns of q that hold each node's position; the name
                           of the body is percent-encoded
     /statistics           JSON text
@@ -28,7 +29,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from pliant._lower import Lowered
+from pliant._lowered import Lowered
 from pliant.bodies import LineBody
 from pliant.errors import FileError
 from pliant.files import atomic
@@ -39,7 +40,7 @@ from pliant.result import Result
 
 __all__ = ["load", "save"]
 
-VERSION = 2
+VERSION = 3
 
 
 def _h5py() -> ModuleType:
@@ -63,6 +64,7 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
                 "shared": lowered.shared,
                 "rigid": lowered.rigid,
                 "plan": lowered.plan,
+                "forces": lowered.forces,
                 "held": lowered.held,
             }
         ),
@@ -123,6 +125,7 @@ def load(path: str | os.PathLike[str]) -> Result:
                 shared=mapping["shared"],
                 rigid=mapping.get("rigid", {}),
                 plan=mapping["plan"],
+                forces=mapping["forces"],
                 held={name: (first, initial) for name, (first, initial) in mapping["held"].items()},
             )
             records = Records(

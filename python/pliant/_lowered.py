@@ -1,0 +1,106 @@
+"""What lowering gives: the core's document, and how to read the core's answers."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pliant.bodies import LineBody
+from pliant.rigid import RigidBodyData
+from pliant.signals import Function, Signal
+from pliant.typing import FloatArray, Json
+
+if TYPE_CHECKING:
+    from pliant.model import Model
+
+__all__ = ["BodyState", "Input", "Lowered", "initial_state", "signals_of"]
+
+
+class BodyState(NamedTuple):
+    """Strand nodes of one body, each (n, 3).
+
+    A free mass has one row of positions, a rigid body four, centre and axes; both leave slopes unused.
+    """
+
+    r: FloatArray
+    t: FloatArray
+    v_r: FloatArray
+    v_t: FloatArray
+
+
+@dataclass
+class Input:
+    """A callable among the inputs of a run; None where it was lost in a file."""
+
+    load: str
+    function: Function | None
+    first: int
+    size: int
+
+
+@dataclass
+class Lowered:
+    """What the core gets, and how to read its answers.
+
+    Attributes
+    ----------
+    document, arrays
+        The core's document and the arrays beside it.
+    inputs : list of Input
+        Callables.
+    held : dict
+        First number and initial value of each :class:`pliant.Input`; all come before the callables.
+    cables, shared, rigid : dict
+        Number of the cable of each line body; of the shared point of each free mass; of each rigid body.
+    forces : dict
+        Number of the core's force of each spring.
+    plan : dict
+        How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}``
+        with what acts on the first body's side, or ``{"kind": "redundant"}``.
+    """
+
+    document: Json
+    arrays: list[FloatArray] = field(default_factory=list)
+    inputs: list[Input] = field(default_factory=list)
+    held: dict[str, tuple[int, list[float]]] = field(default_factory=dict)
+    cables: dict[str, int] = field(default_factory=dict)
+    shared: dict[str, int] = field(default_factory=dict)
+    rigid: dict[str, int] = field(default_factory=dict)
+    forces: dict[str, int] = field(default_factory=dict)
+    plan: dict[str, Json] = field(default_factory=dict)
+    coordinates: int = 0
+    multipliers: int = 0
+
+    @property
+    def spec(self) -> str:
+        """The document as text."""
+        return json.dumps(self.document)
+
+    @property
+    def held_values(self) -> FloatArray:
+        """Initial values of all inputs, one after the other."""
+        return np.array([x for _, initial in self.held.values() for x in initial])
+
+
+def signals_of(item: Any) -> list[Signal]:
+    """Signals among the fields of a load or joint."""
+    values = (getattr(item, entry.name) for entry in fields(item))
+    return [value for value in values if isinstance(value, Signal)]
+
+
+def initial_state(model: Model) -> dict[str, BodyState]:
+    """State at the start as the model describes it."""
+    states = {}
+    for name, body in model._bodies.items():
+        if isinstance(body, LineBody):
+            states[name] = BodyState(body.r, body.t, body.v_r, body.v_t)
+        elif isinstance(body, RigidBodyData):
+            none = np.zeros((1, 3))
+            states[name] = BodyState(body.r, none, body.v_r, none)
+        elif body.at is None:
+            place, speed = (np.array([p.position]) for p in (body.position, body.velocity))
+            states[name] = BodyState(place, np.zeros((1, 3)), speed, np.zeros((1, 3)))
+    return states

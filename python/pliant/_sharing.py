@@ -1,0 +1,234 @@
+"""Nodes that pins join share their position: which they are, and what is left to multipliers."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant._lowered import BodyState, Lowered, initial_state
+from pliant.bodies import LineBody, MassBody
+from pliant.errors import ModelError
+from pliant.forces import ForceData
+from pliant.joints import Clamp, Pair, Pin
+from pliant.loads import Force, Moment
+from pliant.points import Point, WorldPoint
+from pliant.rigid import RigidBodyData
+from pliant.typing import FloatArray, Json
+
+if TYPE_CHECKING:
+    from pliant.model import Model
+
+__all__ = ["Sharing"]
+
+Node = tuple[str, int]
+
+
+class Sharing:
+    """A model in the state that a run begins with, and the points that share coordinates."""
+
+    def __init__(self, model: Model, state: Mapping[str, BodyState] | None) -> None:
+        self.model = model
+        self.moved = state is not None
+        self.model_state = initial_state(model)
+        self.state = dict(state) if state is not None else self.model_state
+        self.size = model._size() if model._bodies else 1.0
+        self.lowered = Lowered({})
+        self.lines = {name: body for name, body in model._bodies.items() if isinstance(body, LineBody)}
+        self.masses = {name: body for name, body in model._bodies.items() if isinstance(body, MassBody)}
+        self.rigid = {name: body for name, body in model._bodies.items() if isinstance(body, RigidBodyData)}
+        self.lowered.rigid = {name: k for k, name in enumerate(self.rigid)}
+        self.lowered.cables = {name: k for k, name in enumerate(self.lines)}
+
+    def _share(self) -> None:
+        """Find the nodes that pins join; ``self.tree`` holds the pins realised by sharing."""
+        parent: dict[Node, Node] = {}
+
+        def find(node: Node) -> Node:
+            while parent.setdefault(node, node) != node:
+                parent[node] = parent[parent[node]]
+                node = parent[node]
+            return node
+
+        pins = [j for j in self.model._joints.values() if isinstance(j, Pin)]
+        for pin in pins:
+            if not pin.here:
+                self._require_no_gap(pin)
+        speed = max(
+            (float(np.abs(self.state[name].v_r).max(initial=0.0)) for name in self.lines), default=0.0
+        )
+        awkward = self._awkward_nodes()
+        candidates: dict[str, tuple[Node, Node]] = {}
+        for pin in pins:
+            a, b = self._line_node(pin.a), self._line_node(pin.b)
+            if a is None or b is None:
+                continue
+            jump = np.abs(self._node_velocity(a) - self._node_velocity(b)).max()
+            if jump <= 1e-6 * speed:
+                candidates[pin.name] = (a, b)
+        groups: dict[Node, set[Node]] = defaultdict(set)
+        for a, b in candidates.values():
+            parent[find(a)] = find(b)
+        for node in list(parent):
+            groups[find(node)].add(node)
+        barred = {root for root, members in groups.items() if members & awkward}
+        self.tree: dict[str, tuple[Node, Node]] = {}
+        self.redundant: set[str] = set()
+        roots = {node: find(node) for node in parent}
+        parent.clear()
+        for name, (a, b) in candidates.items():
+            if roots[a] in barred:
+                continue
+            if find(a) == find(b):
+                self.redundant.add(name)
+            else:
+                parent[find(a)] = find(b)
+                self.tree[name] = (a, b)
+        classes: dict[Node, list[Node]] = defaultdict(list)
+        for node in parent:
+            classes[find(node)].append(node)
+        for name, body in self.lines.items():
+            counts = np.bincount(body.users, minlength=body.nodes)
+            for k in np.flatnonzero(counts > 1):
+                node = (name, int(k))
+                if node not in parent:
+                    classes[node] = [node]
+        self.classes = list(classes.values())
+
+    def _shared_points(self, relocated: set[str]) -> tuple[FloatArray, FloatArray]:
+        """Positions and velocities of the shared points; rows (strand node, point) of each cable."""
+        rows: dict[str, list[tuple[int, int]]] = {name: [] for name in self.lines}
+        places: list[FloatArray] = []
+        speeds: list[FloatArray] = []
+        order: dict[str, Any] = {}
+        for name, body in self.lines.items():
+            sort = np.argsort(body.users, kind="stable")
+            order[name] = (sort, np.searchsorted(body.users[sort], np.arange(body.nodes + 1)))
+        for number, nodes in enumerate(self.classes):
+            name, k = nodes[0]
+            first = self.lines[name].first[k]
+            source = self.state if name in relocated else self.model_state
+            places.append(source[name].r[first])
+            speeds.append(self.state[name].v_r[first])
+            for name, k in nodes:
+                sort, starts = order[name]
+                rows[name].extend((int(inner), number) for inner in sort[starts[k] : starts[k + 1]])
+        for name, mass in self.masses.items():
+            if mass.at is None:
+                self.lowered.shared[name] = len(places)
+                places.append(self.model_state[name].r[0])
+                speeds.append(self.state[name].v_r[0])
+        self.rows = rows
+        return np.array(places).reshape(-1, 3), np.array(speeds).reshape(-1, 3)
+
+    def _awkward_nodes(self) -> set[Node]:
+        """Nodes where forces at the node do not tell a shared pin's reaction: these get multipliers."""
+        inside: list[Point] = []
+        for load in self.model._loads.values():
+            if isinstance(load, ForceData):
+                inside += [point for point in load.points() if isinstance(point, Point)]
+            if isinstance(load, Force) and load.follower:
+                inside.append(load.at)
+            if isinstance(load, Moment) and load.at.node is None:
+                inside.append(load.at)
+        for joint in self.model._joints.values():
+            points = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
+            inside += [p for p in points if isinstance(p, Point) and p.node is None]
+        inside += [m.at for m in self.masses.values() if m.at is not None and m.at.node is None]
+        nodes: set[Node] = set()
+        for point in inside:
+            body = self.lines.get(point.body)
+            if body is not None:
+                nodes |= {(point.body, body.node_of(point.element, end)) for end in (0, 1)}
+        return nodes
+
+    def _line_node(self, point: object) -> Node | None:
+        if isinstance(point, Point) and point.node is not None and point.body in self.lines:
+            return point.body, point.node
+        return None
+
+    def _node_velocity(self, node: Node) -> FloatArray:
+        velocity: FloatArray = self.state[node[0]].v_r[self.lines[node[0]].first[node[1]]]
+        return velocity
+
+    def _place(self, point: Point | WorldPoint) -> FloatArray:
+        """Position of a point in the state that the run begins with."""
+        if isinstance(point, WorldPoint):
+            return np.array(point.position)
+        state = self.state[point.body]
+        if point.body in self.rigid:
+            place: FloatArray = self.rigid[point.body].weights(point) @ state.r
+            return place
+        body = self.lines.get(point.body)
+        if body is None:
+            center: FloatArray = state.r[0]
+            return center
+        first, weights = body.shape(point.element, point.xi)
+        place = weights @ np.stack([state.r[first], state.t[first], state.r[first + 1], state.t[first + 1]])
+        return place
+
+    def _require_no_gap(self, pin: Pin) -> None:
+        gap = float(np.linalg.norm(self._place(pin.a) - self._place(pin.b)))
+        if gap > 2e-6 * self.size:
+            raise ModelError(
+                f"joint '{pin.name}': its points must coincide at the start, but are {gap:.6g} m apart "
+                f"({pin.a}; {pin.b})"
+            )
+
+    def _relocated(self) -> set[str]:
+        """Bodies whose clamped points have moved before the run: clamps hold them where they are now."""
+        bodies: set[str] = set()
+        if not self.moved:
+            return bodies
+        for joint in self.model._joints.values():
+            if not isinstance(joint, Clamp) or joint.a.body not in self.lines:
+                continue
+            name = joint.a.body
+            body, state = self.lines[name], self.state[name]
+            moved = self._place(joint.a) - self.model._position(joint.a)
+            node = int(body.element_nodes[joint.a.element]) + round(joint.a.xi)
+            turned = state.t[node] / np.linalg.norm(state.t[node]) - body.t[node] / np.linalg.norm(
+                body.t[node]
+            )
+            if max(np.linalg.norm(moved) / self.size, np.linalg.norm(turned)) > 1e-6:
+                bodies.add(name)
+        for load in self.model._loads.values():
+            if isinstance(load, Force) and load.follower and load.at.body in bodies:
+                raise ModelError(
+                    f"load '{load.name}': a follower force on cable '{load.at.body}' cannot be joined by a "
+                    "clamp that holds it where another run left it; clamp it in both runs"
+                )
+        return bodies
+
+    def _side(self, name: str) -> Json:
+        """Find what hangs on the first body's side of a shared pin: nodes, masses and joints."""
+        side = {self.tree[name][0]}
+        while True:
+            more = {
+                node
+                for other, ends in self.tree.items()
+                if other != name and (ends[0] in side or ends[1] in side)
+                for node in ends
+            }
+            if more <= side:
+                break
+            side |= more
+        model = self.model
+        joints = []
+        for other, joint in model._joints.items():
+            if self.lowered.plan.get(other, {}).get("kind") != "multiplier":
+                continue
+            points = ((joint.a, 1.0), (joint.b, -1.0)) if isinstance(joint, Pair) else ((joint.a, 1.0),)
+            joints += [[other, sign] for point, sign in points if self._line_node(point) in side]
+        return {
+            "kind": "shared",
+            "nodes": [
+                [body, int(inner)]
+                for body, node in sorted(side)
+                for inner in self.lines[body].inner_nodes(node)
+            ],
+            "masses": [m.name for m in self.masses.values() if self._line_node(m.at) in side],
+            "joints": joints,
+        }
