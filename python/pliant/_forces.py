@@ -100,7 +100,7 @@ class Forces(Lookup):
                 elif isinstance(load, Force) and load.at.body == name:
                     first, shape = self._body(name).shape(load.at.element, load.at.xi)
                     weight += float(shape[0] if first == node else shape[2] if first + 1 == node else 0.0)
-            if weight != 0.0:
+            if weight != 0.0 and not isinstance(load, ForceData):
                 values = [
                     scaled(load.value, float(t), float(f), self._held(i))
                     for i, (t, f) in enumerate(zip(self.time, factor, strict=True))

@@ -59,7 +59,7 @@ class Reaction:
 
 @dataclass(frozen=True)
 class SpringForce:
-    """A spring: length [m], its rate [m/s], and the force by which it pulls its points together [N], each (n,)."""
+    """A spring: length [m], its rate [m/s], and the force by which it pulls [N], each (n,)."""
 
     length: FloatArray
     rate: FloatArray
