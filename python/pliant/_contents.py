@@ -12,6 +12,7 @@ from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData
 from pliant.joints import JointData, Pair
+from pliant.latches import Latch
 from pliant.loads import LineLoad, LoadData
 from pliant.points import (
     Cable,
@@ -41,6 +42,7 @@ class Contents:
         self._bodies: dict[str, Body] = {}
         self._joints: dict[str, JointData] = {}
         self._loads: dict[str, LoadData] = {}
+        self._latches: dict[str, Latch] = {}
 
     @property
     def gravity(self) -> FloatArray:
@@ -76,7 +78,7 @@ class Contents:
         """Handle of that name."""
         if isinstance(name, str):
             if name in self._joints:
-                return Joint(name, self._identity)
+                return Joint(name, self._identity, self)
             if name in self._loads:
                 return Load(name, self._identity)
             body = self._bodies.get(name)
@@ -133,13 +135,21 @@ class Contents:
             name, self._identity, at if at is not None else Point(self._identity, name, 0, 0.0, 0)
         )
 
-    def _add_joint(self, joint: JointData) -> Joint:
+    def _add_joint(self, joint: JointData, engaged: object = True, *given: object) -> Joint:
+        """Keep a joint; it floats where one of the points ``given`` is a bare body, or the world."""
+        holds = _check.flag(engaged, "engaged")
+        floats = any(one is None or isinstance(one, (Cable, CableNet, RigidBody)) for one in given)
         self._joints[joint.name] = joint
-        return Joint(joint.name, self._identity)
+        self._latches[joint.name] = Latch(holds, floats)
+        return Joint(joint.name, self._identity, self)
 
     def _add_load(self, load: LoadData) -> Load:
         self._loads[load.name] = load
         return Load(load.name, self._identity)
+
+    def _latch(self, joint: str) -> Latch:
+        """Tell when a joint holds."""
+        return self._latches.get(joint, Latch())
 
     def _body(self, handle: Any, name: str) -> Body:
         if not isinstance(handle, Handle) or isinstance(handle, (Joint, Load)):
@@ -226,14 +236,17 @@ class Contents:
             _check.fail(names[1], b, "is the same point")
         return point, other, b is None
 
-    def _require_together(self, a: Point, b: Point | WorldPoint, given: Any, name: str) -> None:
-        """Refuse two points that do not coincide at the start."""
+    def _require_together(
+        self, a: Point, b: Point | WorldPoint, given: Any, name: str, engaged: object = True
+    ) -> None:
+        """Refuse two points that do not coincide at the start, where the joint holds from there."""
         gap = float(np.linalg.norm(self._position(a) - self._position(b)))
-        if gap > 1e-6 * self._size():
+        if engaged is not False and gap > 1e-6 * self._size():
             _check.fail(
                 name,
                 given,
-                f"the points must coincide at the start, but are {gap:.6g} m apart ({a}; {b}); move one body",
+                f"the points must coincide at the start, but are {gap:.6g} m apart ({a}; {b}); move one "
+                "body, or give engaged=False to a joint that engages later",
             )
         for one, other in ((a, b), (b, a)):
             if isinstance(one, Point) and isinstance(other, Point):

@@ -30,6 +30,8 @@ class Records(TypedDict):
     energy: FloatArray  # (n, 5) kinetic, elastic, gravitational, dissipated, work [J]
     inputs: FloatArray  # (n, inputs that are set from outside)
     outputs: FloatArray  # (n, what the forces show, one after the other)
+    switches: FloatArray  # (n,) rows of history before each output
+    history: FloatArray  # (k, 5 + pose) time, joint, engaged, gap, size of the pose, pose
 
 class System:
     """A model made ready to compute with.
@@ -58,6 +60,8 @@ class System:
         """First multiplier and number of multipliers of each joint, then of each rigid body, (k, 2)."""
     def force_offsets(self) -> IntArray:
         """First number among the outputs and number of numbers of each force, (k, 2)."""
+    def redundant(self) -> list[tuple[str, int, list[str]]]:
+        """Joints with equations that follow from others at the start: joint, how many, from which joints."""
     def describe_solver(self) -> str: ...
     def masses(self) -> tuple[float, FloatArray]:
         """Total mass [kg] and first moment at the start, shape (3,) [kg m]."""
@@ -106,10 +110,17 @@ class System:
     def strain(self, cable: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Axial strain (n, elements) and material curvature vector [1/m] (n, elements, 3) at mid-element."""
     def reaction(
-        self, joint: int, time: FloatArray, q: FloatArray, lambda_: FloatArray
+        self,
+        joint: int,
+        time: FloatArray,
+        q: FloatArray,
+        lambda_: FloatArray,
+        switch: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Force [N] and moment [N m] that the joint exerts on its first point, each (n, 3)."""
-    def joint_motion(self, joint: int, q: FloatArray, v: FloatArray) -> FloatArray | None:
+    def joint_motion(
+        self, joint: int, q: FloatArray, v: FloatArray, switch: FloatArray | None = None
+    ) -> FloatArray | None:
         """Freedom of a joint and its rate, (n, 2): angle [rad] from -pi to pi, or way [m]; else None."""
     def nodal_force(
         self,
@@ -146,6 +157,11 @@ class Integrator:
         """Takes up to ``steps`` steps, the last of which lands on the time ``end``, records every
         ``output_every``-th (counted from the start), stops after about ``seconds`` of wall time; returns the
         number taken. The state of a failed step is the one before it."""
+    @property
+    def next_event(self) -> float | None:
+        """Time of the next scheduled event: a step must end there."""
+    def switch(self, joint: int, engage: bool, gap: float | None = None) -> None:
+        """Engages or releases a joint now; nothing has changed where that fails."""
     def set_inputs(self, first: int, values: Sequence[float]) -> None:
         """Sets inputs from number ``first`` on: they hold at the end of the next step."""
     def save(self) -> bytes:

@@ -43,8 +43,12 @@ class Forces(Lookup):
         if plan["kind"] == "redundant":
             return Reaction(zero, zero.copy())
         if plan["kind"] == "multiplier":
-            with translated():
-                force, moment = self._system.reaction(plan["index"], records.time, records.q, records.lambda_)
+            force, moment = zero, zero.copy()
+            for rows, switch in self._poses(plan["index"]):
+                time, q, lambda_ = (array[rows] for array in (records.time, records.q, records.lambda_))
+                with translated():
+                    found = self._system.reaction(plan["index"], time, q, lambda_, switch)
+                force[rows], moment[rows] = found
             return Reaction(force, moment)
         return Reaction(self._shared_force(plan), zero)
 

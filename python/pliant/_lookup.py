@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -53,6 +54,17 @@ class Lookup:
             with translated():
                 self._built = _core.System(self._lowered.spec, self._lowered.arrays)
         return self._built
+
+    def _poses(self, joint: int) -> Iterator[tuple[Any, FloatArray | None]]:
+        """Rows of the result, and how the joint had engaged there (None: as at the start)."""
+        history, switches = self._records.history, self._records.switches
+        engaged = np.flatnonzero((history[:, 1] == joint) & (history[:, 2] == 1.0))
+        if not len(engaged):
+            yield slice(None), None
+            return
+        before = np.searchsorted(engaged, switches)
+        for k in np.unique(before):
+            yield np.flatnonzero(before == k), (history[engaged[k - 1]] if k else None)
 
     def _name(self, body: object) -> str:
         if isinstance(body, str):

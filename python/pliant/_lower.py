@@ -90,6 +90,7 @@ class _Lowering(Sharing):
                 for m in self.masses.values()
             ],
             "joints": joints,
+            "latches": self._latches(),
             "loads": [
                 self._load(load) for load in self.model._loads.values() if not isinstance(load, ForceData)
             ],
@@ -210,6 +211,15 @@ class _Lowering(Sharing):
         for name in self.tree:
             plan[name] = self._side(name)
         return documents
+
+    def _latches(self) -> list[Json]:
+        """Joints that are released and engaged, or could be."""
+        return [
+            {"joint": plan["index"], **latch.document(), "engaged": latch.holds_at_start}
+            for name, latch in ((name, self.model._latch(name)) for name in self.model._joints)
+            if (plan := self.lowered.plan[name])["kind"] == "multiplier"
+            and (latch.floats or not latch.is_permanent)
+        ]
 
     def _forces(self) -> list[Json]:
         documents: list[Json] = []

@@ -85,7 +85,7 @@ class Mechanism(Contents):
         self._bodies[body.name] = body
         return RigidBody(body.name, self._identity)
 
-    def weld(self, a: Any, b: Any = None, *, name: str | None = None) -> Joint:
+    def weld(self, a: Any, b: Any = None, *, engaged: bool = True, name: str | None = None) -> Joint:
         """Make two bodies move as one; a cable keeps the direction of its tangent, it has no twist.
 
         Parameters
@@ -94,6 +94,9 @@ class Mechanism(Contents):
             First point.
         b : Point, RigidBody or array_like, shape (3,), optional
             Second point, at the same place; None: the world.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -112,12 +115,18 @@ class Mechanism(Contents):
         'weld1'
         """
         first, second, here = self._pair(a, b, ("a", "b"), anywhere=True)
-        self._require_together(first, second, b, "b")
+        self._require_together(first, second, b, "b", engaged)
         self._require_directions(first, second, a, b)
-        return self._add_joint(Weld(self._new_name(name, "weld"), first, second, here))
+        return self._add_joint(Weld(self._new_name(name, "weld"), first, second, here), engaged, a, b)
 
     def hinge(
-        self, a: Any, b: Any = None, axis: ArrayLike = (0.0, 0.0, 1.0), *, name: str | None = None
+        self,
+        a: Any,
+        b: Any = None,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        *,
+        engaged: bool = True,
+        name: str | None = None,
     ) -> Joint:
         """Let two bodies turn about a common axis.
 
@@ -130,6 +139,9 @@ class Mechanism(Contents):
         axis : array_like, shape (3,)
             Axis at the start, in world axes. On a cable along its tangent, or normal to it: the tangent then
             stays normal to the axis.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -148,17 +160,23 @@ class Mechanism(Contents):
         -0.073
         """
         first, second, here = self._pair(a, b, ("a", "b"))
-        self._require_together(first, second, b, "b")
+        self._require_together(first, second, b, "b", engaged)
         unit = axis_of(axis, "axis")
         self._require_directions(first, second, a, b)
         for point in (first, second):
             tangent = self._tangent(point)
             if tangent is not None and abs(float(tangent @ unit)) > PARALLEL:
                 self._require_along(point, unit, "axis")
-        return self._add_joint(Hinge(self._new_name(name, "hinge"), first, second, here, unit))
+        return self._add_joint(Hinge(self._new_name(name, "hinge"), first, second, here, unit), engaged, a, b)
 
     def slider(
-        self, a: Any, b: Any = None, axis: ArrayLike = (1.0, 0.0, 0.0), *, name: str | None = None
+        self,
+        a: Any,
+        b: Any = None,
+        axis: ArrayLike = (1.0, 0.0, 0.0),
+        *,
+        engaged: bool = True,
+        name: str | None = None,
     ) -> Joint:
         """Let two bodies slide along an axis without turning against each other.
 
@@ -170,6 +188,9 @@ class Mechanism(Contents):
             Second point, at the same place; None: the world.
         axis : array_like, shape (3,)
             Axis at the start, in world axes; it turns with ``b``.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -188,13 +209,21 @@ class Mechanism(Contents):
         -4.905
         """
         first, second, here = self._pair(a, b, ("a", "b"), anywhere=True)
-        self._require_together(first, second, b, "b")
+        self._require_together(first, second, b, "b", engaged)
         unit = axis_of(axis, "axis")
         self._require_directions(first, second, a, b)
-        return self._add_joint(Slider(self._new_name(name, "slider"), first, second, here, unit))
+        return self._add_joint(
+            Slider(self._new_name(name, "slider"), first, second, here, unit), engaged, a, b
+        )
 
     def cylindrical(
-        self, a: Any, b: Any = None, axis: ArrayLike = (0.0, 0.0, 1.0), *, name: str | None = None
+        self,
+        a: Any,
+        b: Any = None,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        *,
+        engaged: bool = True,
+        name: str | None = None,
     ) -> Joint:
         """Let two bodies slide along an axis and turn about it.
 
@@ -206,6 +235,9 @@ class Mechanism(Contents):
             Second point, at the same place; None: the world.
         axis : array_like, shape (3,)
             Axis at the start, in world axes; of a cable its tangent.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -222,15 +254,24 @@ class Mechanism(Contents):
         10
         """
         first, second, here = self._pair(a, b, ("a", "b"))
-        self._require_together(first, second, b, "b")
+        self._require_together(first, second, b, "b", engaged)
         unit = axis_of(axis, "axis")
         self._require_directions(first, second, a, b)
         for point in (first, second):
             self._require_along(point, unit, "axis")
-        return self._add_joint(Cylindrical(self._new_name(name, "cylindrical"), first, second, here, unit))
+        return self._add_joint(
+            Cylindrical(self._new_name(name, "cylindrical"), first, second, here, unit), engaged, a, b
+        )
 
     def universal(
-        self, a: Any, b: Any, axis_a: ArrayLike, axis_b: ArrayLike, *, name: str | None = None
+        self,
+        a: Any,
+        b: Any,
+        axis_a: ArrayLike,
+        axis_b: ArrayLike,
+        *,
+        engaged: bool = True,
+        name: str | None = None,
     ) -> Joint:
         """Join two bodies by a universal joint: an axis of each stays normal to that of the other.
 
@@ -243,6 +284,9 @@ class Mechanism(Contents):
         axis_a, axis_b : array_like, shape (3,)
             Axes of ``a`` and of ``b`` at the start, in world axes, normal to each other; of a cable its
             tangent.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -259,16 +303,20 @@ class Mechanism(Contents):
         10
         """
         first, second, here = self._pair(a, b, ("a", "b"))
-        self._require_together(first, second, b, "b")
+        self._require_together(first, second, b, "b", engaged)
         units = axis_of(axis_a, "axis_a"), axis_of(axis_b, "axis_b")
         if abs(float(np.dot(*units))) > 1e-9:
             _check.fail("axis_b", axis_b, "must be normal to axis_a")
         self._require_directions(first, second, a, b, lines=True)
         self._require_along(first, units[0], "axis_a")
         self._require_along(second, units[1], "axis_b")
-        return self._add_joint(Universal(self._new_name(name, "universal"), first, second, here, *units))
+        return self._add_joint(
+            Universal(self._new_name(name, "universal"), first, second, here, *units), engaged, a, b
+        )
 
-    def distance(self, a: Any, b: Any, length: float | None = None, *, name: str | None = None) -> Joint:
+    def distance(
+        self, a: Any, b: Any, length: float | None = None, *, engaged: bool = True, name: str | None = None
+    ) -> Joint:
         """Keep two points a length apart: a massless rod.
 
         Parameters
@@ -279,6 +327,9 @@ class Mechanism(Contents):
             Second point.
         length : float, optional
             The length [m]; None: that at the start.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -303,7 +354,9 @@ class Mechanism(Contents):
             length = _check.number(length, "length", above=0)
             if abs(length - at_start) > 1e-9 * self._size():
                 _check.fail("length", length, f"the points are {at_start:.9g} m apart at the start; move one")
-        return self._add_joint(Distance(self._new_name(name, "distance"), first, second, False, at_start))
+        return self._add_joint(
+            Distance(self._new_name(name, "distance"), first, second, False, at_start), engaged, a, b
+        )
 
     def _require_directions(
         self, a: Point, b: Point | WorldPoint, given_a: object, given_b: object, *, lines: bool = False

@@ -62,14 +62,21 @@ class Motion(Lookup):
         Returns
         -------
         JointMotion
-            ``position`` (zero at the model's start) and ``velocity`` of the first body against the second,
-            each (n,).
+            ``position`` (zero at the model's start, or where the joint engaged) and ``velocity`` of the first
+            body against the second, each (n,).
         """
         plan = self._plan_of(joint)
         motion = None
         if plan["kind"] == "multiplier":
-            with translated():
-                motion = self._system.joint_motion(plan["index"], self._records.q, self._records.v)
+            records = self._records
+            for rows, switch in self._poses(plan["index"]):
+                with translated():
+                    part = self._system.joint_motion(plan["index"], records.q[rows], records.v[rows], switch)
+                if part is None:
+                    break
+                if motion is None:
+                    motion = np.zeros((len(records.time), 2))
+                motion[rows] = part
         if motion is None:
             _check.fail("joint", joint, "must be a hinge or a slider, whose freedom is one number")
         if isinstance(self.model._joints[joint.name], Hinge):

@@ -54,7 +54,7 @@ class Sharing:
 
         pins = [j for j in self.model._joints.values() if isinstance(j, Pin)]
         for pin in pins:
-            if not pin.here:
+            if not pin.here and self.model._latch(pin.name).holds_at_start:
                 self._require_no_gap(pin)
         speed = max(
             (float(np.abs(self.state[name].v_r).max(initial=0.0)) for name in self.lines), default=0.0
@@ -63,7 +63,7 @@ class Sharing:
         candidates: dict[str, tuple[Node, Node]] = {}
         for pin in pins:
             a, b = self._line_node(pin.a), self._line_node(pin.b)
-            if a is None or b is None:
+            if a is None or b is None or not self.model._latch(pin.name).is_permanent:
                 continue
             jump = np.abs(self._node_velocity(a) - self._node_velocity(b)).max()
             if jump <= 1e-6 * speed:

@@ -17,6 +17,7 @@ from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_bo
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
 from pliant.joints import JOINTS, Clamp, Pin
+from pliant.latches import Latch
 from pliant.loads import Force, LineLoad, Moment
 from pliant.materials import Material
 from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass
@@ -297,7 +298,7 @@ class Model(Drives):
 
     # Joints
 
-    def clamp(self, point: Any, *, name: str | None = None) -> Joint:
+    def clamp(self, point: Any, *, engaged: bool = True, name: str | None = None) -> Joint:
         """Hold a point of a cable, its position and the direction of its tangent, or a rigid body.
 
         The stretch of a cable is free.
@@ -306,6 +307,9 @@ class Model(Drives):
         ----------
         point : Point or RigidBody
             A point of a cable or a net, or a rigid body.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -324,9 +328,9 @@ class Model(Drives):
         5
         """
         at = self._directed_point(point, "point")
-        return self._add_joint(Clamp(self._new_name(name, "clamp"), at))
+        return self._add_joint(Clamp(self._new_name(name, "clamp"), at), engaged, None)
 
-    def pin(self, point: Any, to: Any = None, *, name: str | None = None) -> Joint:
+    def pin(self, point: Any, to: Any = None, *, engaged: bool = True, name: str | None = None) -> Joint:
         """Hold a point's position.
 
         Parameters
@@ -335,6 +339,9 @@ class Model(Drives):
             First point.
         to : Point, body or array_like, shape (3,), optional
             Second point, at the same place; None: the world, where the point starts.
+        engaged : bool
+            Whether it holds from the start; else it is free until :meth:`Joint.engage` or
+            :meth:`Stepper.engage`, and its points may be apart.
 
         Returns
         -------
@@ -353,8 +360,8 @@ class Model(Drives):
         3
         """
         a, b, here = self._pair(point, to, ("point", "to"))
-        self._require_together(a, b, to, "to")
-        return self._add_joint(Pin(self._new_name(name, "pin"), a, b, here))
+        self._require_together(a, b, to, "to", engaged)
+        return self._add_joint(Pin(self._new_name(name, "pin"), a, b, here), engaged, point, to)
 
     # Loads
 
@@ -477,6 +484,7 @@ class Model(Drives):
         other = Model(self._gravity)
         other._identity = self._identity
         other._bodies, other._joints, other._loads = dict(self._bodies), dict(self._joints), dict(self._loads)
+        other._latches = dict(self._latches)
         return other
 
     __copy__ = copy
@@ -500,6 +508,7 @@ class Model(Drives):
                 key: [encode(item, f"{key[:-1]} '{name}'", keep_functions) for name, item in items.items()]
                 for key, items in lists.items()
             },
+            "latches": {name: latch.document() for name, latch in self._latches.items()},
         }
 
     @classmethod
@@ -523,6 +532,9 @@ class Model(Drives):
                     if type(item) not in kinds:
                         raise ModelError(f"{key}: {type(item).__name__} does not belong here")
                     items[item.name] = item
+            latches = document.get("latches", {})
+            model._latches = {name: Latch.read(latches[name]) for name in model._joints if name in latches}
+            model._latches |= {name: Latch() for name in model._joints if name not in latches}
             model._verify()
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
             raise FileError(f"{source}: is damaged: {error}") from error

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pliant import _check
 from pliant.errors import ModelError
+from pliant.latches import LatchEvent, event, require_known
 from pliant.typing import ArrayLike
 
 if TYPE_CHECKING:
+    from pliant._contents import Contents
     from pliant.bodies import LineBody
 
 __all__ = ["Cable", "CableNet", "Handle", "Joint", "Load", "Point", "PointMass", "RigidBody", "WorldPoint"]
@@ -85,7 +87,68 @@ class Handle:
 
 @dataclass(frozen=True)
 class Joint(Handle):
-    """A joint of a model; ``result.reaction(joint)`` tells its force."""
+    """A joint of a model; ``result.reaction(joint)`` tells its force.
+
+    Examples
+    --------
+    Two bodies dock after half a second, and part again.
+
+    >>> import pliant as pl
+    >>> model = pl.Model()
+    >>> ball = pl.Sphere(0.1)
+    >>> slow = model.add_rigid_body(mass=1.0, shape=ball)
+    >>> fast = model.add_rigid_body(mass=1.0, shape=ball, position=(-1, 0, 0), velocity=(1, 0, 0))
+    >>> dock = model.weld(fast, slow).engage(at=0.5).release(at=1.0)
+    >>> result = pl.simulate(model, duration=2.0, step=0.01)
+    >>> print(result.track(slow.center).position[-1].round(3), result.energy.dissipated[-1].round(3))
+    [0.75 0.   0.  ] 0.25
+    """
+
+    _model: Contents | None = field(default=None, compare=False, repr=False)
+
+    def release(self, at: float) -> Joint:
+        """Let go at a time; the run goes on without the joint.
+
+        Parameters
+        ----------
+        at : float
+            Time [s]; a step ends there exactly.
+
+        Returns
+        -------
+        Joint
+            This handle.
+        """
+        return self._schedule(event(at, False))
+
+    def engage(self, at: float, *, gap: float | None = None) -> Joint:
+        """Engage at a time; where this comes before any release the joint is free until then.
+
+        What engages takes the directions and the pose of that moment, as other joints take those of the
+        start, and velocities jump as in an inelastic impact, whose loss of energy counts as dissipated.
+
+        Parameters
+        ----------
+        at : float
+            Time [s]; a step ends there exactly.
+        gap : float, optional
+            Distance [m] up to which points that the joint was given may be apart at that time; by default a
+            millionth of the model's size. They are joined as they are. A body, or the world, given in the
+            place of a point lends the one that is found there.
+
+        Returns
+        -------
+        Joint
+            This handle.
+        """
+        return self._schedule(event(at, True, gap))
+
+    def _schedule(self, one: LatchEvent) -> Joint:
+        if self._model is None:
+            raise ModelError(f"joint = {self.name!r}: take the handle of a model: model[name] gives it")
+        latches = self._model._latches
+        latches[self.name] = require_known(latches, self.name).with_event(one)
+        return self
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from pliant._lowered import BodyState
 from pliant.model import Model
@@ -15,7 +17,11 @@ __all__ = ["Records", "State"]
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """Raw arrays of a run, one row an output."""
+    """Raw arrays of a run, one row an output.
+
+    ``history`` has a row for each time a joint was engaged or released, ``switches`` tells how many of them
+    lie before each output.
+    """
 
     time: FloatArray
     q: FloatArray
@@ -25,6 +31,8 @@ class Records:
     energy: FloatArray
     inputs: FloatArray
     outputs: FloatArray
+    switches: FloatArray = field(default_factory=lambda: np.zeros(0))
+    history: FloatArray = field(default_factory=lambda: np.zeros((0, 5)))
 
 
 @dataclass(frozen=True, eq=False)

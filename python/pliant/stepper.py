@@ -23,6 +23,7 @@ from pliant._running import (
 )
 from pliant.checkpoints import Checkpoint, read, write
 from pliant.errors import ConvergenceError, FileError, ModelError, translated
+from pliant.latches import checked_gap
 from pliant.model import Model
 from pliant.points import Handle, Joint, Point, PointMass
 from pliant.readings import Energy, Reaction, Statistics, Strain, Track
@@ -189,6 +190,46 @@ class Stepper:
             values = _check.vector(value, "value").tolist()
         self._present = None
         self._integrator.set_inputs(first, values)
+
+    def release(self, joint: Joint) -> None:
+        """Let a joint go now.
+
+        Parameters
+        ----------
+        joint : Joint
+            A joint that holds; one that is free already stays so.
+        """
+        self._switch(joint, False, None)
+
+    def engage(self, joint: Joint, *, gap: float | None = None) -> None:
+        """Engage a joint now, see :meth:`Joint.engage`.
+
+        Parameters
+        ----------
+        joint : Joint
+            A joint that was released, or made with ``engaged=False``; one that holds already stays as it is.
+        gap : float, optional
+            Distance [m] up to which points that the joint was given may be apart; by default a millionth of
+            the model's size.
+        """
+        self._switch(joint, True, None if gap is None else checked_gap(gap))
+
+    def _switch(self, joint: Joint, engage: bool, gap: float | None) -> None:
+        plan = self._now._plan_of(joint)
+        if plan["kind"] != "multiplier":
+            _check.fail(
+                "joint",
+                joint,
+                "pins that always hold share coordinates: make one that is to be released while stepping "
+                "with engaged=False, and engage it at 0: pin.engage(at=0.0)",
+            )
+        self._present = None
+        try:
+            with self._inputs.guarded(), translated():
+                self._integrator.switch(plan["index"], engage, gap)
+        except ConvergenceError as error:
+            # Nothing has been computed: what was asked for cannot be.
+            raise ModelError(f"joint = '{joint.name}': {error}") from error
 
     def reset(self, state: State | None = None) -> None:
         """Go back, bit for bit, and forget what was recorded.
@@ -357,8 +398,9 @@ class Stepper:
         chunks = [*self._chunks, as_records(self._integrator.records())]
         chunks = [chunk for chunk in chunks if len(chunk.time)] or chunks[-1:]
         if len(chunks) > 1:
-            names = [entry.name for entry in dataclasses.fields(Records)]
+            names = [entry.name for entry in dataclasses.fields(Records) if entry.name != "history"]
             joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
+            joined["history"] = chunks[-1].history
             chunks = [Records(**joined)]
         self._chunks = chunks
         return chunks[0]

@@ -75,9 +75,20 @@ pub enum Error {
         /// Its typical size.
         scale: f64,
     },
-    /// The iteration matrix is singular: something floats free, or constraints contradict or repeat each other.
+    /// Constraints that repeat each other do not agree.
+    #[error("at t = {t}, {} contradict each other: there are no {what}; take one of them out", .names.join(" and "))]
+    Contradictory {
+        /// Time [s], or the load factor in statics.
+        t: f64,
+        /// What they belong to.
+        names: Vec<String>,
+        /// What would satisfy all of them.
+        what: &'static str,
+    },
+    /// The iteration matrix is singular: something floats free.
     #[error(
-        "at t = {t} the equations leave {name} undetermined: it floats free, or a constraint is redundant"
+        "at t = {t} the equations leave {name} undetermined: it floats free; hold it by a joint, a spring or a load that \
+         depends on where it is"
     )]
     Singular {
         /// Time [s], or the load factor in statics.

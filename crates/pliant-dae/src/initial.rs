@@ -4,6 +4,7 @@
 use crate::error::{Error, Failure, check_length};
 use crate::linear_solver::LinearSolver;
 use crate::problem::{Point, Problem, Weights};
+use crate::redundancy::{Dependency, leave_out_dependent, require_agreement};
 use crate::scaling::{first_not_finite, inverse, magnitude, weighted_max, worst};
 
 /// Constraint residuals above this, in units of their scale, are refused at the start: the first step would
@@ -27,13 +28,15 @@ pub struct Consistent {
     pub velocity_correction: f64,
     /// The velocity that was changed most.
     pub most_corrected: usize,
+    /// Constraints that follow from others.
+    pub dependencies: Vec<Dependency>,
 }
 
 /// Checks positions, projects velocities, and solves for accelerations and multipliers at time `t`.
 ///
 /// # Errors
-/// Wrong lengths, numbers that are not finite, positions off the constraints, a singular mass matrix or redundant
-/// constraints, or a failing evaluation.
+/// Wrong lengths, numbers that are not finite, positions off the constraints, a singular mass matrix,
+/// contradictory constraints, or a failing evaluation.
 pub fn consistent_start<P: Problem + ?Sized>(
     problem: &mut P,
     solver: &mut dyn LinearSolver,
@@ -48,12 +51,48 @@ pub fn consistent_start<P: Problem + ?Sized>(
             return Err(Error::Value { what, expected: "finite", got: array[i] });
         }
     }
+    problem.leave_out(&[]);
     check_positions(problem, t, q, v)?;
+    let dependencies = leave_out_dependent(problem, solver, t, q)?;
+    check_dependent(problem, t, q, v, &dependencies, false)?;
     let mut velocity = v.to_vec();
     let (velocity_correction, most_corrected) =
         project_velocities(problem, solver, t, q, &mut velocity)?;
+    check_dependent(problem, t, q, &velocity, &dependencies, true)?;
     let (a, lambda_) = consistent_acceleration(problem, solver, t, q, &velocity)?;
-    Ok(Consistent { v: velocity, a, lambda_, velocity_correction, most_corrected })
+    Ok(Consistent { v: velocity, a, lambda_, velocity_correction, most_corrected, dependencies })
+}
+
+/// Refuses constraints that follow from others but not with their rates, or accelerations.
+fn check_dependent<P: Problem + ?Sized>(
+    problem: &mut P,
+    t: f64,
+    q: &[f64],
+    v: &[f64],
+    dependencies: &[Dependency],
+    accelerations: bool,
+) -> Result<(), Error> {
+    if dependencies.is_empty() {
+        return Ok(());
+    }
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    let zero = vec![0.0; n.max(m)];
+    let mut left_out = vec![false; m];
+    for dependency in dependencies {
+        left_out[dependency.equation] = true;
+    }
+    let mut values = vec![0.0; m];
+    problem.leave_out(&[]);
+    let what = if accelerations {
+        let at = Point { t, q, v, a: &zero[..n], lambda_: &zero[..m] };
+        problem.constraint_acceleration(at, &mut values);
+        "accelerations that all allow (a position where the freedoms branch, perhaps: start beside it)"
+    } else {
+        problem.constraint_rate(t, q, &mut values);
+        "velocities that all allow"
+    };
+    problem.leave_out(&left_out);
+    require_agreement(problem, t, dependencies, &values, what)
 }
 
 fn check_positions<P: Problem + ?Sized>(

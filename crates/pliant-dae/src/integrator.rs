@@ -6,6 +6,7 @@ use crate::initial::{Consistent, consistent_start};
 use crate::linear_solver::LinearSolver;
 use crate::newton::{Monitor, NewtonOptions};
 use crate::problem::Problem;
+use crate::redundancy::project_positions;
 use crate::scaling::inverse;
 use crate::state::State;
 use crate::statistics::Statistics;
@@ -185,6 +186,37 @@ impl<P: Problem> Integrator<P> {
         (self.problem, self.solver, self.state)
     }
 
+    /// Takes out of the velocities what the scheme adds to them for the sake of its step, normal to the constraints:
+    /// to be called before an event changes those. [`Self::restart`] must follow.
+    ///
+    /// # Errors
+    /// A singular mass matrix.
+    pub fn settle(&mut self) -> Result<(), Error> {
+        let h = self.state.h;
+        if h > 0.0 {
+            let factor = -h * h * self.coefficients.error_constant();
+            let dv = self.normal_velocity_correction(factor)?;
+            for (v, d) in self.state.v.iter_mut().zip(&dv) {
+                *v += d;
+            }
+            self.state.h = 0.0;
+            self.state.factor.h = 0.0;
+        }
+        Ok(())
+    }
+
+    /// Moves positions onto constraints that were left out and are not met any more, and restarts there.
+    ///
+    /// # Errors
+    /// Contradictory constraints, and as [`Self::restart`].
+    pub fn restart_on_constraints(&mut self) -> Result<Consistent, Error> {
+        self.settle()?;
+        let tolerance = self.options.newton.constraint_tolerance;
+        let Self { problem, solver, state, .. } = self;
+        project_positions(problem, solver.as_mut(), state.t, &mut state.q, tolerance)?;
+        self.restart()
+    }
+
     /// Forgets the kept factorisation, and prepares velocities and accelerations anew for the next step: to be
     /// called after an event changed the problem (a joint released, say). Velocities are projected.
     ///
@@ -204,6 +236,40 @@ impl<P: Problem> Integrator<P> {
         Ok(start)
     }
 
+    /// The end of the next nominal step.
+    pub fn nominal_end(&mut self, h: f64) -> f64 {
+        self.begin_series(h);
+        self.state.series_start + (self.state.series_steps as f64 + 1.0) * h
+    }
+
+    /// Goes to the time `t` within the present nominal step, or to the end of it where it `completes` the step; the
+    /// series of nominal times goes on.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_part(&mut self, t: f64, completes: bool) -> Result<StepReport, Error> {
+        let state = &self.state;
+        let (start, step, steps) = (state.series_start, state.series_step, state.series_steps);
+        let mut h = t - state.t;
+        if (h - step).abs() <= 1e-12 * step {
+            // A step of the same length needs no preparation.
+            h = step;
+        }
+        let report = self.advance_to(Some(t), h)?;
+        let state = &mut self.state;
+        (state.series_start, state.series_step) = (start, step);
+        state.series_steps = steps + u64::from(completes);
+        Ok(report)
+    }
+
+    fn begin_series(&mut self, h: f64) {
+        if self.state.series_step != h {
+            self.state.series_start = self.state.t;
+            self.state.series_step = h;
+            self.state.series_steps = 0;
+        }
+    }
+
     /// Advances by the nominal step `h`, in smaller ones where it fails (halved down to `h/1024`, doubled again
     /// after successes). Equal nominal steps land on `start + n h` without accumulated rounding.
     ///
@@ -219,11 +285,7 @@ impl<P: Problem> Integrator<P> {
     /// As [`Self::advance`].
     pub fn advance_to(&mut self, end: Option<f64>, h: f64) -> Result<StepReport, Error> {
         check_step(h)?;
-        if self.state.series_step != h {
-            self.state.series_start = self.state.t;
-            self.state.series_step = h;
-            self.state.series_steps = 0;
-        }
+        self.begin_series(h);
         let n = self.state.series_steps;
         let time = |steps: f64| self.state.series_start + steps * h;
         let begin = time(n as f64);

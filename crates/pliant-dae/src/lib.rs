@@ -14,6 +14,7 @@ pub mod modes;
 pub mod newton;
 mod passes;
 pub mod problem;
+pub mod redundancy;
 mod scaling;
 pub mod sensitivity;
 mod sparse;

@@ -10,6 +10,7 @@ use crate::error::{Error, check_length};
 use crate::initial::finite_or_name;
 use crate::linear_solver::LinearSolver;
 use crate::problem::{Point, Problem, Weights};
+use crate::redundancy::leave_out_dependent;
 use crate::scaling::largest;
 
 /// Controls of the search for modes.
@@ -86,6 +87,7 @@ pub fn solve_modes<P: Problem + ?Sized>(
     check_length("lambda_", lambda_, problem.multipliers())?;
     let zero = vec![0.0; problem.velocities()];
     let at = Point { t, q, v: &zero, a: &zero, lambda_ };
+    leave_out_dependent(problem, solver, t, q)?;
     let mut modes = if problem.velocities() <= options.dense_limit {
         dense_modes(problem, at)
     } else {
@@ -235,8 +237,10 @@ fn krylov_modes<P: Problem + ?Sized>(
         finite_or_name(inverse.problem, at.t, y.as_slice())?;
         extend(&inverse, &mut basis, &mut mass_basis, y);
     }
-    let wanted = options.count.min(n.saturating_sub(m));
-    let limit = (LARGEST_BASIS * wanted + 4 * BLOCK).min(n.saturating_sub(m));
+    let idle = inverse.problem.idle().iter().filter(|idle| **idle).count();
+    let free = n.saturating_sub(m - idle);
+    let wanted = options.count.min(free);
+    let limit = (LARGEST_BASIS * wanted + 4 * BLOCK).min(free);
     loop {
         let size = basis.len();
         for j in images.len()..size {

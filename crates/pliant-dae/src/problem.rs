@@ -117,6 +117,28 @@ pub trait Problem: Send {
         out.fill(0.0);
     }
 
+    /// Which equations read `lambda_ = 0` at present instead of `phi = 0`, those left out by [`Self::leave_out`] or for
+    /// reasons of the problem's own: `phi`, `phi_q` and the derivatives of `phi` are zero there, the diagonal of the
+    /// iteration matrix is minus the weight of the Jacobian. Length `multipliers`, or empty: none.
+    fn idle(&self) -> &[bool] {
+        &[]
+    }
+
+    /// Makes equations idle that follow from others, and no others (length `multipliers`, or empty: none).
+    fn leave_out(&mut self, equations: &[bool]) {
+        let _ = equations;
+    }
+
+    /// Order in which equations are kept where some follow from others.
+    fn constraint_order(&self) -> Vec<usize> {
+        (0..self.multipliers()).collect()
+    }
+
+    /// What a constraint belongs to, for messages.
+    fn owner(&self, multiplier: usize) -> String {
+        self.describe(self.velocities() + multiplier)
+    }
+
     /// A step was accepted: commit internal variables, gather integrals over time.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
         let _ = (before, after);

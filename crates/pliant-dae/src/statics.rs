@@ -15,6 +15,7 @@ mod stability;
 use crate::error::{Error, Failure, check_length};
 use crate::linear_solver::LinearSolver;
 use crate::problem::{Point, Problem, Weights};
+use crate::redundancy::{leave_out_dependent, require_met};
 use crate::scaling::{first_not_finite, inverse, largest, weighted_max, worst};
 use stability::Stability;
 
@@ -98,10 +99,15 @@ pub fn solve_static<P: Problem + ?Sized>(
 ) -> Result<Vec<StaticPoint>, Error> {
     check_length("q", q, problem.coordinates())?;
     check_length("lambda_", lambda_, problem.multipliers())?;
+    let dependencies = leave_out_dependent(problem, solver, options.from, q)?;
+    let mut lambda_ = lambda_.to_vec();
+    for dependency in &dependencies {
+        lambda_[dependency.equation] = 0.0;
+    }
     let mut search = Search::new(problem, solver, *options, poll);
     let nominal = (options.to - options.from) / options.load_steps.max(1) as f64;
     let mut path = Vec::new();
-    let (mut q, mut lambda_) = (q.to_vec(), lambda_.to_vec());
+    let mut q = q.to_vec();
     let (mut load, mut cut) = (options.from, 1.0);
     loop {
         let rest = options.to - load;
@@ -110,6 +116,7 @@ pub fn solve_static<P: Problem + ?Sized>(
         let target = if step == rest { options.to } else { load + step };
         match search.equilibrium(target, step, &q, &lambda_) {
             Ok(point) => {
+                require_met(search.problem, target, &point.q, &dependencies)?;
                 q.clone_from(&point.q);
                 lambda_.clone_from(&point.lambda_);
                 load = target;

@@ -82,7 +82,7 @@ impl<P: Problem> Integrator<P> {
 
     /// `factor P_n (j + [v, a] / (12 c))`, the commutator being the part of the local error that curved
     /// configuration spaces add (empty without constraints).
-    fn normal_velocity_correction(&mut self, factor: f64) -> Result<Vec<f64>, Error> {
+    pub(crate) fn normal_velocity_correction(&mut self, factor: f64) -> Result<Vec<f64>, Error> {
         let m = self.problem.multipliers();
         if m == 0 {
             return Ok(Vec::new());

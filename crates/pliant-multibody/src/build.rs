@@ -6,15 +6,16 @@ use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::forces;
+use crate::joints::Joint;
 use crate::joints::product::Products;
 use crate::joints::rigidity::rigidity;
-use crate::joints::side::{Frame, Side};
-use crate::joints::{Joint, of_spec};
+use crate::joints::side::Frame;
+use crate::latches::{Scheduled, draft};
 use crate::loads::Load;
 use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
 use crate::loads::line::LineLoad;
 use crate::loads::moment::{BodyMoment, Moment};
-use crate::model::{Blocks, Mass, Model, PlacedForce, PlacedJoint, PlacedLoad};
+use crate::model::{Blocks, LatchState, Mass, Model, PlacedForce, PlacedJoint, PlacedLoad};
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
@@ -76,6 +77,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .sum::<Result<_, _>>()?;
     let rigid_bodies = builder.rigid_bodies(spec)?;
     let (joints, constraint_scale) = builder.joints(joints, length);
+    let (latches, schedule) = latches(spec)?;
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
     let forces = builder.forces(&spec.forces)?;
     Ok(Model {
@@ -87,6 +89,10 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         masses,
         rigid_bodies,
         joints,
+        joint_specs: spec.joints.clone(),
+        latches,
+        schedule,
+        length,
         loads,
         forces,
         gravity: spec.gravity,
@@ -163,29 +169,41 @@ fn draft_joints(
 ) -> Result<Vec<(String, Products)>, ModelError> {
     let mut drafts = Vec::with_capacity(spec.joints.len() + map.rigid.len());
     for joint in &spec.joints {
-        let (name, a, b) = joint.points();
-        let place = format!("joint '{name}'");
-        let refuse = |reason| ModelError::Unsupported { place: place.clone(), reason };
-        let (r, frame) = map.point(a, &place)?;
-        let here = r.at(q);
-        let a = Side { r, frame, first: true, q };
-        let (r, frame) = match b {
-            Some(b) => map.point(b, &place)?,
-            None => (Interpolation::fixed(here), Frame::World),
-        };
-        let b = Side { r, frame, first: false, q };
-        if a.r.terms.is_empty() && b.r.terms.is_empty() {
-            return Err(refuse("both its points are fixed in the world"));
-        }
-        let draft = of_spec(joint, &a, &b);
-        let draft =
-            draft.ok_or_else(|| refuse("its points do not have the directions it needs"))?;
-        drafts.push((name.to_owned(), draft));
+        drafts.push((joint.points().0.to_owned(), draft(joint, map, q, None)?));
     }
     for (k, name) in map.rigid_names.iter().enumerate() {
         drafts.push((format!("rigidity of '{name}'"), rigidity(&map.axes(k))));
     }
     Ok(drafts)
+}
+
+/// Which joints hold at the start, and what happens to them in the order of time.
+fn latches(spec: &ModelSpec) -> Result<(Vec<LatchState>, Vec<Scheduled>), ModelError> {
+    let count = spec.joints.len();
+    let mut states = vec![LatchState { engaged: true, floats: false }; count];
+    let mut schedule = Vec::new();
+    for latch in &spec.latches {
+        let joint = latch.joint;
+        let place = || "latches".to_owned();
+        let state = states.get_mut(joint).ok_or_else(|| ModelError::Reference {
+            place: place(),
+            kind: "joint",
+            index: joint,
+            count,
+        })?;
+        *state = LatchState { engaged: latch.engaged, floats: latch.floats };
+        for event in &latch.events {
+            for value in [Some(event.t), event.gap].into_iter().flatten() {
+                if !(value >= 0.0 && value.is_finite()) {
+                    let allowed = "finite numbers of at least zero";
+                    return Err(ModelError::Value { place: place(), value, allowed });
+                }
+            }
+            schedule.push(Scheduled { t: event.t, joint, engage: event.engage, gap: event.gap });
+        }
+    }
+    schedule.sort_by(|a: &Scheduled, b: &Scheduled| a.t.total_cmp(&b.t));
+    Ok((states, schedule))
 }
 
 /// Diagonal of the box around all positions: the size by which increments are judged.

@@ -46,6 +46,19 @@ pub enum ModelError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// Points that are too far apart to be joined.
+    #[error(
+        "{place}: its points are {gap:.6e} m apart where it engages, allowed are {allowed:.3e} m; bring them closer, \
+         allow more by gap=, or give a body in the place of one of them: it lends the point found there"
+    )]
+    Apart {
+        /// The joint.
+        place: String,
+        /// Distance between its points [m].
+        gap: f64,
+        /// What is allowed [m].
+        allowed: f64,
+    },
     /// A reference to something that does not exist.
     #[error("{place}: there is no {kind} number {index} (there are {count})")]
     Reference {
@@ -57,18 +70,6 @@ pub enum ModelError {
         index: usize,
         /// How many there are.
         count: usize,
-    },
-    /// Two points that a joint brings together are apart.
-    #[error(
-        "joint '{joint}': its points are {gap:.6e} m apart at the start; they must coincide within {allowed:.1e} m"
-    )]
-    Gap {
-        /// Name of the joint.
-        joint: String,
-        /// Their distance [m].
-        gap: f64,
-        /// What is allowed [m].
-        allowed: f64,
     },
     /// A joint or load that its point cannot carry.
     #[error("{place}: {reason}")]

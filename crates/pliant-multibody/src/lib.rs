@@ -7,6 +7,7 @@ pub mod dof_map;
 pub mod error;
 pub mod forces;
 pub mod joints;
+pub mod latches;
 pub mod loads;
 pub mod memory;
 pub mod model;

@@ -1,5 +1,6 @@
 //! What a run remembers beside the state of the integrator: inputs, and integrals over its steps.
 
+use crate::latches::Switch;
 use crate::model::Model;
 use pliant_dae::error::Error;
 use pliant_dae::problem::Point;
@@ -19,6 +20,12 @@ pub struct Audit {
 pub struct Memory {
     /// Integrals since the start.
     pub audit: Audit,
+    /// What joints were made to do since the start.
+    pub history: Vec<Switch>,
+    /// How many of the scheduled events are over.
+    pub events: usize,
+    /// For each multiplier whether its equation follows from others; empty: none does.
+    pub redundant: Vec<bool>,
     /// Values of the inputs that are set from outside; those of functions of time follow them.
     pub held: Vec<f64>,
     /// The same when the tangent was last asked for: the kept factorisation contains them.
@@ -48,6 +55,24 @@ impl Memory {
         ] {
             if expected != got {
                 return Err(Error::Length { what, expected, got });
+            }
+        }
+        let redundant = if self.redundant.is_empty() { 0 } else { model.multipliers };
+        let (expected, got) = (redundant, self.redundant.len());
+        if expected != got {
+            return Err(Error::Length { what: "redundant equations", expected, got });
+        }
+        let (expected, got) = (model.schedule.len(), self.events);
+        if got > expected {
+            return Err(Error::Length { what: "events", expected, got });
+        }
+        for switch in &self.history {
+            let joint =
+                model.joints.get(switch.joint).filter(|_| switch.joint < model.latches.len());
+            let expected = joint.map_or(0, |j| j.joint.support().unknowns.len());
+            let got = switch.pose.len();
+            if expected != got || joint.is_none() {
+                return Err(Error::Length { what: "the pose of a joint", expected, got });
             }
         }
         Ok(())

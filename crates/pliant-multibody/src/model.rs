@@ -4,11 +4,12 @@ use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::forces::ForceElement;
 use crate::joints::Joint;
+use crate::latches::Scheduled;
 use crate::loads::Load;
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
-use crate::spec::ModelSpec;
+use crate::spec::{JointSpec, ModelSpec};
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::{self, LinearSolver};
 use pliant_dae::structure::{self, Storage, Structure};
@@ -80,6 +81,15 @@ pub(crate) struct PlacedJoint {
     pub element: usize,
 }
 
+/// How a joint is released and engaged.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LatchState {
+    /// Whether it holds at the start.
+    pub engaged: bool,
+    /// Whether one of its points is wherever the other is found when it engages.
+    pub floats: bool,
+}
+
 /// A load, its value over time and its element matrix (none for dead loads).
 pub(crate) struct PlacedLoad {
     pub load: Box<dyn Load>,
@@ -107,6 +117,14 @@ pub struct Model {
     pub(crate) masses: Vec<Mass>,
     pub(crate) rigid_bodies: Vec<RigidBody>,
     pub(crate) joints: Vec<PlacedJoint>,
+    /// Descriptions of the joints of the document, the first of `joints`.
+    pub(crate) joint_specs: Vec<JointSpec>,
+    /// One for each joint of the document.
+    pub(crate) latches: Vec<LatchState>,
+    /// What happens to joints, in the order of time.
+    pub(crate) schedule: Vec<Scheduled>,
+    /// Size of the model [m].
+    pub(crate) length: f64,
     pub(crate) loads: Vec<PlacedLoad>,
     pub(crate) forces: Vec<PlacedForce>,
     pub(crate) gravity: [f64; 3],
@@ -192,6 +210,13 @@ impl Model {
     #[must_use]
     pub fn force_outputs(&self) -> Vec<[usize; 2]> {
         self.forces.iter().map(|f| [f.first_output, f.force.output_count()]).collect()
+    }
+
+    /// The joint that a multiplier belongs to.
+    pub(crate) fn joint_of(&self, multiplier: usize) -> Option<usize> {
+        let k = self.joints.partition_point(|j| j.first <= multiplier).checked_sub(1)?;
+        let joint = &self.joints[k];
+        (multiplier < joint.first + joint.joint.equations()).then_some(k)
     }
 
     /// A linear solver for the model's structure.

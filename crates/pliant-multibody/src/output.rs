@@ -1,5 +1,7 @@
 //! What is read from a state after the solve: energies, momenta, strains, forces.
 
+use crate::joints::Joint;
+use crate::latches::Switch;
 use crate::model::Model;
 use crate::vector::vector;
 use pliant_elements::{CableBlock, Motion, Strain};
@@ -105,7 +107,7 @@ impl Model {
         out.extend(self.elements_of(cable).flat_map(|(block, e)| block.curvature(e, q)));
     }
 
-    /// Force [N] and moment [N m] that a joint exerts on its first point.
+    /// Force [N] and moment [N m] that a joint exerts on its first point; `switch` is what it engaged by, if it has.
     #[must_use]
     pub fn reaction(
         &self,
@@ -113,17 +115,28 @@ impl Model {
         t: f64,
         q: &[f64],
         lambda_: &[f64],
+        switch: Option<&Switch>,
     ) -> ([f64; 3], [f64; 3]) {
         let placed = &self.joints[joint];
         let x: Vec<f64> = placed.joint.support().unknowns.iter().map(|&u| q[u]).collect();
         let m = placed.joint.equations();
-        placed.joint.reaction(t, &x, &lambda_[placed.first..placed.first + m])
+        let posed = switch.and_then(|switch| self.posed(switch).ok());
+        let joint: &dyn Joint = posed.as_ref().map_or(placed.joint.as_ref(), |posed| posed);
+        joint.reaction(t, &x, &lambda_[placed.first..placed.first + m])
     }
 
     /// The freedom of a joint and its rate (angle or way), if it leaves a single one.
     #[must_use]
-    pub fn joint_motion(&self, joint: usize, q: &[f64], v: &[f64]) -> Option<[f64; 2]> {
-        let joint = &self.joints[joint].joint;
+    pub fn joint_motion(
+        &self,
+        joint: usize,
+        q: &[f64],
+        v: &[f64],
+        switch: Option<&Switch>,
+    ) -> Option<[f64; 2]> {
+        let posed = switch.and_then(|switch| self.posed(switch).ok());
+        let placed = self.joints[joint].joint.as_ref();
+        let joint: &dyn Joint = posed.as_ref().map_or(placed, |posed| posed);
         let local = |x: &[f64]| joint.support().unknowns.iter().map(|&u| x[u]).collect::<Vec<_>>();
         joint.motion(&local(q), &local(v))
     }

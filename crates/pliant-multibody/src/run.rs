@@ -1,6 +1,8 @@
 //! A run in progress: steps, and what is recorded of them.
 
 use crate::checkpoint::Saved;
+use crate::error::ModelError;
+use crate::latches::{Scheduled, Switch};
 use crate::memory::Memory;
 use crate::model::Model;
 use crate::system::{Inputs, Mode, System};
@@ -33,17 +35,22 @@ pub struct Records {
     pub inputs: Vec<f64>,
     /// What the forces show.
     pub outputs: Vec<f64>,
+    /// For each row how many of the switches of the run lie before it.
+    pub switches: Vec<f64>,
+    /// What joints were made to do since the start.
+    pub history: Vec<Switch>,
 }
 
 impl Records {
     /// Adds a row.
-    pub fn push(&mut self, system: &System, state: &State) {
+    pub fn push(&mut self, system: &System, state: &State, lambda_: &[f64]) {
         let memory = system.memory();
         self.time.push(state.t);
+        self.switches.push(memory.history.len() as f64);
         self.q.extend_from_slice(&state.q);
         self.v.extend_from_slice(&state.v);
         self.a.extend_from_slice(&state.a);
-        self.lambda_.extend_from_slice(&state.lambda_);
+        self.lambda_.extend_from_slice(lambda_);
         let [kinetic, elastic, gravitational] = system.energy(state.t, &state.q, &state.v);
         let audit = memory.audit;
         self.energy.extend([kinetic, elastic, gravitational, audit.dissipated, audit.work]);
@@ -59,6 +66,8 @@ pub struct Run {
     steps: u64,
     records: Records,
     balance: Balance,
+    /// For sharing multipliers out, where equations are redundant.
+    sharing: Option<Box<dyn LinearSolver>>,
 }
 
 /// Watches for energy from nowhere: a step that is too long for an undamped impact can gain without bound while
@@ -145,6 +154,16 @@ pub struct Leg {
     pub output_every: u64,
 }
 
+/// Part of a step within which an event and a step's end are one.
+const SNAP: f64 = 1e-6;
+/// Residual, in units of its scale, at which an equation that was left out is needed again.
+const LARGEST_DRIFT: f64 = 1e-9;
+
+fn refused(t: f64, error: &ModelError) -> Error {
+    let message = error.to_string();
+    Error::Evaluation { t, source: EvaluationError { message, recoverable: false } }
+}
+
 /// `work`, on the threads of a pool where there is one.
 fn on<T: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> T + Send) -> T {
     match pool {
@@ -166,14 +185,20 @@ impl Run {
         let memory = Memory::new(start.held);
         let q = start.q.unwrap_or(&model.initial_q).to_vec();
         let v = start.v.unwrap_or(&model.initial_v).to_vec();
-        let (pool, system, solver) = prepare(model, options, start.inputs, memory)?;
+        let (pool, mut system, solver) = prepare(model, options, start.inputs, memory)?;
+        while let Some(event) = system.next_event().filter(|event| event.t <= 0.0) {
+            let switched = system.switch(event, &q);
+            switched.map_err(|error| refused(0.0, &error))?;
+            system.skip_event();
+        }
         let (mut integrator, start) =
             on(pool.as_ref(), || Integrator::new(system, solver, options.integrator, 0.0, &q, &v))?;
         integrator.problem_mut().note_loads(0.0, &q);
         let mut balance = Balance::default();
         let energy = integrator.problem().energy(0.0, &q, &integrator.state().v);
         balance.begin(energy);
-        Ok((Self { integrator, pool, steps: 0, records: Records::default(), balance }, start))
+        let records = Records::default();
+        Ok((Self { integrator, pool, steps: 0, records, balance, sharing: None }, start))
     }
 
     /// Continues where a run was saved, with the same bits as if it had never stopped.
@@ -193,7 +218,8 @@ impl Run {
             on(pool.as_ref(), || Integrator::resume(system, solver, options.integrator, state))?;
         integrator.problem_mut().set_memory(memory);
         integrator.set_statistics(statistics);
-        Ok(Self { integrator, pool, steps, records: Records::default(), balance })
+        let records = Records::default();
+        Ok(Self { integrator, pool, steps, records, balance, sharing: None })
     }
 
     /// Goes back to where it was saved, and forgets what was recorded; counters go on.
@@ -213,6 +239,133 @@ impl Run {
         self.balance = balance;
         self.records = Records::default();
         Ok(())
+    }
+
+    /// Time of the next scheduled event, no earlier than now: a step must end there.
+    #[must_use]
+    pub fn next_event(&self) -> Option<f64> {
+        self.integrator.problem().next_event().map(|event| event.t.max(self.state().t))
+    }
+
+    /// Brings about all events scheduled up to the time `until`.
+    ///
+    /// # Errors
+    /// As [`Self::switch`].
+    pub fn pass_events(&mut self, until: f64) -> Result<(), Error> {
+        let mut due = Vec::new();
+        let events = self.integrator.problem().memory().events;
+        let schedule = &self.integrator.problem().model().schedule;
+        due.extend(schedule[events..].iter().take_while(|event| event.t <= until));
+        self.switch_all(&due)?;
+        for _ in &due {
+            self.integrator.problem_mut().skip_event();
+        }
+        Ok(())
+    }
+
+    /// Engages or releases a joint now. What engages brings about an impact, whose loss of energy is added to what was
+    /// dissipated.
+    ///
+    /// # Errors
+    /// No such joint, points too far apart, contradictory constraints; nothing has changed then.
+    pub fn switch(&mut self, joint: usize, engage: bool, gap: Option<f64>) -> Result<(), Error> {
+        let joints = self.integrator.problem().model().latches.len();
+        if joint >= joints {
+            return Err(Error::Length { what: "joints", expected: joints, got: joint });
+        }
+        self.switch_all(&[Scheduled { t: self.state().t, joint, engage, gap }])
+    }
+
+    fn switch_all(&mut self, events: &[Scheduled]) -> Result<(), Error> {
+        let kept = self.integrator.problem().memory().clone();
+        let state = self.integrator.state().clone();
+        let outcome = self.try_switch(events);
+        if outcome.is_err() {
+            self.integrator.problem_mut().set_memory(kept.at_tangent());
+            let Self { integrator, pool, .. } = self;
+            on(pool.as_ref(), || integrator.reset(state))?;
+            self.integrator.problem_mut().set_memory(kept);
+        }
+        outcome
+    }
+
+    fn try_switch(&mut self, events: &[Scheduled]) -> Result<(), Error> {
+        let Self { integrator, pool, .. } = self;
+        let changes = |integrator: &Integrator<System>| {
+            events.iter().any(|event| !integrator.problem().is_already(event))
+        };
+        if !changes(integrator) {
+            return Ok(());
+        }
+        on(pool.as_ref(), || {
+            integrator.settle()?;
+            let before = integrator.state().clone();
+            for event in events {
+                let switched = integrator.problem_mut().switch(*event, &before.q);
+                switched.map_err(|error| refused(before.t, &error))?;
+            }
+            integrator.restart()?;
+            let after = integrator.state().v.clone();
+            integrator.problem_mut().note_impact(&before.q, &before.v, &after);
+            Ok(())
+        })
+    }
+
+    /// A nominal step to `end`, or of length `step`, in parts where events lie within it.
+    ///
+    /// An event within [`SNAP`] of a step's end moves that end, so that no part is too short to be computed; an end
+    /// that was asked for stays, and such an event happens there.
+    fn nominal_step(&mut self, end: Option<f64>, step: f64) -> Result<(), Error> {
+        let near = SNAP * step;
+        self.pass_events(self.state().t + near)?;
+        let finish = match end {
+            Some(end) => end,
+            None => self.integrator.nominal_end(step),
+        };
+        if self.next_event().is_none_or(|event| event > finish + near) {
+            let Self { integrator, pool, .. } = self;
+            on(pool.as_ref(), || integrator.advance_to(end, step))?;
+            return self.check_drift();
+        }
+        while let Some(event) = self.next_event().filter(|&t| t < finish - near) {
+            let Self { integrator, pool, .. } = self;
+            on(pool.as_ref(), || integrator.advance_part(event, false))?;
+            self.check_drift()?;
+            self.pass_events(event)?;
+        }
+        let due = self.next_event().filter(|&t| t <= finish + near);
+        let finish = end.or(due).unwrap_or(finish);
+        let Self { integrator, pool, .. } = self;
+        on(pool.as_ref(), || integrator.advance_part(finish, true))?;
+        self.check_drift()?;
+        self.pass_events(finish + near)
+    }
+
+    /// Takes equations that were left out because they followed from others in again where they do so no longer.
+    fn check_drift(&mut self) -> Result<(), Error> {
+        let state = self.integrator.state();
+        if self.integrator.problem().drift(state.t, &state.q) > LARGEST_DRIFT {
+            let Self { integrator, pool, .. } = self;
+            on(pool.as_ref(), || integrator.restart_on_constraints())?;
+        }
+        Ok(())
+    }
+
+    /// The multipliers of the present state, shared out where equations are redundant.
+    fn multipliers(&mut self) -> Vec<f64> {
+        let Self { integrator, sharing, .. } = self;
+        let (t, q) = (integrator.state().t, integrator.state().q.clone());
+        let mut lambda_ = integrator.state().lambda_.clone();
+        let system = integrator.problem_mut();
+        if !system.memory().redundant.is_empty() {
+            if sharing.is_none() {
+                *sharing = system.model().solver(false).ok();
+            }
+            if let Some(solver) = sharing {
+                system.smallest_multipliers(solver.as_mut(), t, &q, &mut lambda_);
+            }
+        }
+        lambda_
     }
 
     /// What a continuation needs.
@@ -241,9 +394,10 @@ impl Run {
     /// Energy from nowhere; the state is recorded all the same.
     pub fn record(&mut self) -> Result<(), Error> {
         self.look();
+        let lambda_ = self.multipliers();
         let system = self.integrator.problem();
         let state = self.integrator.state();
-        self.records.push(system, state);
+        self.records.push(system, state, &lambda_);
         let rounding = ROUNDING * system.model().axial_energy;
         let row = &self.records.energy[self.records.energy.len() - 5..];
         let t = state.t;
@@ -256,8 +410,10 @@ impl Run {
     #[must_use]
     pub fn present(&mut self) -> Records {
         self.look();
-        let mut row = Records::default();
-        row.push(self.integrator.problem(), self.integrator.state());
+        let lambda_ = self.multipliers();
+        let history = self.integrator.problem().memory().history.clone();
+        let mut row = Records { history, ..Records::default() };
+        row.push(self.integrator.problem(), self.integrator.state(), &lambda_);
         row
     }
 
@@ -278,8 +434,7 @@ impl Run {
                 return Ok(taken);
             }
             let end = leg.end.filter(|_| taken + 1 == leg.steps);
-            let Self { integrator, pool, .. } = self;
-            on(pool.as_ref(), || integrator.advance_to(end, leg.step))?;
+            self.nominal_step(end, leg.step)?;
             self.steps += 1;
             if leg.output_every > 0 && self.steps.is_multiple_of(leg.output_every) {
                 self.record()?;
@@ -290,7 +445,8 @@ impl Run {
 
     /// What was recorded since the last call.
     pub fn take_records(&mut self) -> Records {
-        std::mem::take(&mut self.records)
+        let history = self.integrator.problem().memory().history.clone();
+        Records { history, ..std::mem::take(&mut self.records) }
     }
 
     /// Steps taken since the start.

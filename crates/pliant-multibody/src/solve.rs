@@ -7,6 +7,7 @@ use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::State;
 use pliant_dae::modes::{ModeOptions, solve_modes};
 use pliant_dae::problem::{Point, Problem};
+use pliant_dae::redundancy::leave_out_dependent;
 use pliant_dae::statics::{self, solve_static};
 use std::sync::Arc;
 
@@ -75,17 +76,26 @@ fn follow(
             ..statics::StaticOptions::default()
         };
         let mut poll = || !poll(options.to);
-        let solver = solver.as_mut();
-        let points =
-            solve_static(&mut system, solver, &state.q, &state.lambda_, &options, &mut poll)?;
+        let points = solve_static(
+            &mut system,
+            solver.as_mut(),
+            &state.q,
+            &state.lambda_,
+            &options,
+            &mut poll,
+        )?;
         for point in points {
             let before = state.clone();
             state.t = point.load;
             state.q = point.q;
             state.lambda_ = point.lambda_;
             system.accept(point_of(&before), point_of(&state));
+            let mut lambda_ = state.lambda_.clone();
+            if !system.memory().redundant.is_empty() {
+                system.smallest_multipliers(solver.as_mut(), state.t, &state.q, &mut lambda_);
+            }
             system.look_at(state.t);
-            path.records.push(&system, &state);
+            path.records.push(&system, &state, &lambda_);
             if point.stable == Some(false) {
                 path.unstable.push(point.load);
             }
@@ -96,6 +106,34 @@ fn follow(
 
 fn point_of(state: &State) -> Point<'_> {
     Point { t: state.t, q: &state.q, v: &state.v, a: &state.a, lambda_: &state.lambda_ }
+}
+
+/// Joints with equations that follow from others at the start, how many, and the joints that they follow from.
+///
+/// # Errors
+/// A singular mass matrix.
+pub fn redundant(model: &Arc<Model>) -> Result<Vec<(String, usize, Vec<String>)>, Error> {
+    let mut system = System::new(model.clone(), Mode::Dynamic, None, false);
+    let mut solver = model.solver(false)?;
+    let dependencies = leave_out_dependent(&mut system, solver.as_mut(), 0.0, &model.initial_q)?;
+    let name = |multiplier: usize| {
+        model.joint_of(multiplier).map_or_else(String::new, |k| model.joints[k].name.clone())
+    };
+    let mut found: Vec<(String, usize, Vec<String>)> = Vec::new();
+    for dependency in &dependencies {
+        let joint = name(dependency.equation);
+        let at = found.iter().position(|(other, ..)| *other == joint).unwrap_or_else(|| {
+            found.push((joint.clone(), 0, Vec::new()));
+            found.len() - 1
+        });
+        found[at].1 += 1;
+        for other in dependency.on.iter().map(|&(j, _)| name(j)) {
+            if other != joint && !found[at].2.contains(&other) {
+                found[at].2.push(other);
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// The state that modes are taken about.

@@ -42,6 +42,9 @@ pub struct ModelSpec {
     pub masses: Vec<MassSpec>,
     /// Joints.
     pub joints: Vec<JointSpec>,
+    /// Joints that are released and engaged.
+    #[serde(default)]
+    pub latches: Vec<LatchSpec>,
     /// Loads.
     pub loads: Vec<LoadSpec>,
     /// Forces that depend on positions and velocities.
@@ -303,6 +306,32 @@ impl JointSpec {
             | Self::Distance { name, a, b, .. } => (name, a, Some(b)),
         }
     }
+}
+
+/// A joint that is released and engaged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatchSpec {
+    /// Number of the joint.
+    pub joint: usize,
+    /// Whether it holds at the start.
+    pub engaged: bool,
+    /// Whether one of its points is wherever the other is found when it engages.
+    pub floats: bool,
+    /// What happens to it.
+    pub events: Vec<EventSpec>,
+}
+
+/// A joint is released or engaged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EventSpec {
+    /// Time [s].
+    pub t: f64,
+    /// Engage, or release.
+    pub engage: bool,
+    /// Largest gap between the points [m]; none: 1e-6 of the model's size.
+    pub gap: Option<f64>,
 }
 
 /// A load.

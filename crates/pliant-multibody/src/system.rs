@@ -2,13 +2,18 @@
 
 mod forces;
 
+use crate::error::ModelError;
 use crate::forces::Part;
+use crate::joints::Joint;
+use crate::latches::{CLOSE, Joints, Scheduled, Switch};
 use crate::memory::{Memory, work};
-use crate::model::{Model, PlacedForce, PlacedJoint};
+use crate::model::{Model, PlacedForce};
 use crate::signal::Moment;
 use forces::{Room, gather};
 use pliant_dae::error::Error;
+use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
+use pliant_dae::redundancy::smallest_multipliers;
 use pliant_dae::structure::{Storage, Structure, entry_number};
 use pliant_elements::{self as elements, Motion, Parameter, Workspace};
 use std::sync::Arc;
@@ -48,6 +53,7 @@ pub struct System {
     input_values: Vec<f64>,
     scratch: Scratch,
     room: Room,
+    joints: Joints,
     /// Generalized forces at the next accepted point.
     forces: Vec<f64>,
 }
@@ -58,8 +64,10 @@ impl System {
     #[must_use]
     pub fn new(model: Arc<Model>, mode: Mode, inputs: Option<Inputs>, parallel: bool) -> Self {
         let workspaces = model.blocks.iter().map(|_| Workspace::default()).collect();
+        let joints = Joints::new(&model, &[], &[]);
         Self {
             model,
+            joints,
             inputs,
             mode,
             parallel,
@@ -87,8 +95,101 @@ impl System {
 
     /// Goes back to what was remembered.
     pub fn set_memory(&mut self, memory: Memory) {
+        self.joints = Joints::new(&self.model, &memory.history, &memory.redundant);
         self.memory = memory;
         self.show_held();
+    }
+
+    /// Engages or releases a joint at coordinates `q`; returns whether that changes anything. The integrator must
+    /// restart then.
+    ///
+    /// # Errors
+    /// Points too far apart, or directions that the joint cannot take.
+    pub fn switch(&mut self, event: Scheduled, q: &[f64]) -> Result<bool, ModelError> {
+        let Scheduled { t, joint, engage, gap } = event;
+        if self.joints.is_engaged(joint) == engage {
+            return Ok(false);
+        }
+        let gap = gap.unwrap_or(CLOSE * self.model.length);
+        if engage {
+            self.model.engaged(joint, q, gap)?;
+        }
+        let unknowns = &self.model.joints[joint].joint.support().unknowns;
+        let pose = unknowns.iter().map(|&u| q[u]).collect();
+        self.memory.history.push(Switch { t, joint, engaged: engage, gap, pose });
+        self.memory.redundant.clear();
+        self.joints = Joints::new(&self.model, &self.memory.history, &[]);
+        // Dissipation begins anew: velocities jump.
+        self.memory.damping.clear();
+        Ok(true)
+    }
+
+    /// Adds an impact to the audit: velocities jump by `dv` to `after`. What is lost is the energy of the jump; the
+    /// rest of the change is the work of joints that move by themselves.
+    pub fn note_impact(&mut self, q: &[f64], before: &[f64], after: &[f64]) {
+        let dv: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
+        let kinetic = |v: &[f64]| self.model.energy(q, v)[0];
+        let lost = kinetic(&dv);
+        let gained = kinetic(after) - kinetic(before);
+        self.memory.audit.dissipated += lost;
+        self.memory.audit.work += gained + lost;
+    }
+
+    /// The next scheduled event.
+    #[must_use]
+    pub fn next_event(&self) -> Option<Scheduled> {
+        self.model.schedule.get(self.memory.events).copied()
+    }
+
+    /// Whether an event changes nothing.
+    pub(crate) fn is_already(&self, event: &Scheduled) -> bool {
+        self.joints.is_engaged(event.joint) == event.engage
+    }
+
+    /// A scheduled event is over.
+    pub(crate) fn skip_event(&mut self) {
+        self.memory.events += 1;
+    }
+
+    /// The smallest multipliers that act as `lambda_` does, see
+    /// [`pliant_dae::redundancy::smallest_multipliers`]; `solver` is the caller's own.
+    pub(crate) fn smallest_multipliers(
+        &mut self,
+        solver: &mut dyn LinearSolver,
+        t: f64,
+        q: &[f64],
+        lambda_: &mut [f64],
+    ) {
+        let kept = self.memory.clone();
+        // Where it fails the multipliers stay as they are: they are right, too.
+        let _ = smallest_multipliers(self, solver, t, q, lambda_, &kept.redundant);
+        self.set_memory(kept);
+    }
+
+    /// Largest residual, in units of its scale, of an equation that is left out because it follows from others.
+    #[must_use]
+    pub fn drift(&self, t: f64, q: &[f64]) -> f64 {
+        let mut drift: f64 = 0.0;
+        let (mut x, mut phi) = (Vec::new(), Vec::new());
+        if self.memory.redundant.is_empty() {
+            return drift;
+        }
+        for (k, placed) in self.model.joints.iter().enumerate() {
+            let joint = self.joints.get(&self.model, k);
+            let rows = placed.first..placed.first + joint.equations();
+            if !self.joints.is_engaged(k) || !self.memory.redundant[rows.clone()].contains(&true) {
+                continue;
+            }
+            gather(joint.support(), q, &mut x);
+            phi.resize(rows.len(), 0.0);
+            joint.residual(t, &x, &mut phi);
+            for (i, phi) in rows.zip(&phi) {
+                if self.memory.redundant[i] {
+                    drift = drift.max(phi.abs() / self.model.constraint_scale[i]);
+                }
+            }
+        }
+        drift
     }
 
     /// Sets inputs from number `first` on: they hold at the end of the next step and from there on.
@@ -219,16 +320,28 @@ impl System {
         self.scratch.rest = rest;
     }
 
-    /// Calls `work` with each joint, its local coordinates and its range of equations.
+    /// Calls `work` with each joint that holds, its local coordinates and its range of equations.
     fn each_joint(
         &mut self,
         q: &[f64],
-        mut work: impl FnMut(&PlacedJoint, &[f64], std::ops::Range<usize>),
+        mut work: impl FnMut(&dyn Joint, &[f64], std::ops::Range<usize>),
     ) {
         let x = &mut self.scratch.x;
-        for joint in &self.model.joints {
-            gather(joint.joint.support(), q, x);
-            work(joint, x, joint.first..joint.first + joint.joint.equations());
+        for (k, placed) in self.model.joints.iter().enumerate() {
+            if self.joints.is_engaged(k) {
+                let joint = self.joints.get(&self.model, k);
+                gather(joint.support(), q, x);
+                work(joint, x, placed.first..placed.first + joint.equations());
+            }
+        }
+    }
+
+    /// Clears the rows that read `lambda_ = 0`.
+    fn clear_idle(&self, out: &mut [f64]) {
+        for (out, off) in out.iter_mut().zip(self.joints.off()) {
+            if *off {
+                *out = 0.0;
+            }
         }
     }
 
@@ -283,16 +396,21 @@ impl System {
 
     fn joint_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
         let Scratch { x, jacobian, hessian, .. } = &mut self.scratch;
-        for joint in &self.model.joints {
-            gather(joint.joint.support(), at.q, x);
-            let (n, m) = (x.len(), joint.joint.equations());
+        let off = self.joints.off();
+        for (k, placed) in self.model.joints.iter().enumerate() {
+            let joint = self.joints.get(&self.model, k);
+            gather(joint.support(), at.q, x);
+            let (n, m) = (x.len(), joint.equations());
+            jacobian.clear();
             jacobian.resize(n * m, 0.0);
-            joint.joint.jacobian(at.t, x, jacobian);
             hessian.clear();
             hessian.resize(n * n, 0.0);
-            let lambda_ = &at.lambda_[joint.first..joint.first + m];
-            joint.joint.add_hessian(at.t, x, lambda_, weights.stiffness, hessian);
-            let slot = self.model.structure.slot(joint.element);
+            if self.joints.is_engaged(k) {
+                joint.jacobian(at.t, x, jacobian);
+                let lambda_ = &at.lambda_[placed.first..placed.first + m];
+                joint.add_hessian(at.t, x, lambda_, weights.stiffness, hessian);
+            }
+            let slot = self.model.structure.slot(placed.element);
             let mut set = |i: usize, j: usize, value: f64| {
                 let number = entry_number(n + m, i, j, Storage::Symmetric);
                 values[slot.base + number * slot.stride] = value;
@@ -303,11 +421,12 @@ impl System {
                 }
             }
             for i in 0..m {
+                let idle = off[placed.first + i];
                 for j in 0..n {
-                    set(n + i, j, weights.jacobian * jacobian[i * n + j]);
+                    set(n + i, j, if idle { 0.0 } else { weights.jacobian * jacobian[i * n + j] });
                 }
                 for j in 0..=i {
-                    set(n + i, n + j, 0.0);
+                    set(n + i, n + j, if idle && j == i { -weights.jacobian } else { 0.0 });
                 }
             }
         }
@@ -387,17 +506,18 @@ impl Problem for System {
         self.add_forces((at.t, at.q, at.v), -1.0, |_, _| true, force);
         let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
         self.each_joint(at.q, |joint, x, equations| {
-            joint.joint.residual(at.t, x, &mut phi[equations.clone()]);
+            joint.residual(at.t, x, &mut phi[equations.clone()]);
             let n = x.len();
             jacobian.resize(n * equations.len(), 0.0);
-            joint.joint.jacobian(at.t, x, &mut jacobian);
+            joint.jacobian(at.t, x, &mut jacobian);
             for (i, row) in equations.zip(jacobian.chunks_exact(n)) {
-                for (&u, entry) in joint.joint.support().unknowns.iter().zip(row) {
+                for (&u, entry) in joint.support().unknowns.iter().zip(row) {
                     force[u] += entry * at.lambda_[i];
                 }
             }
         });
         self.scratch.jacobian = jacobian;
+        self.clear_idle(phi);
         Ok(())
     }
 
@@ -416,26 +536,56 @@ impl Problem for System {
     fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]) {
         let mut v = std::mem::take(&mut self.scratch.phi);
         self.each_joint(at.q, |joint, x, equations| {
-            gather(joint.joint.support(), at.v, &mut v);
-            joint.joint.acceleration(at.t, x, &v, &mut out[equations]);
+            gather(joint.support(), at.v, &mut v);
+            joint.acceleration(at.t, x, &v, &mut out[equations]);
         });
         self.scratch.phi = v;
+        self.clear_idle(out);
     }
 
     fn constraint_jerk(&mut self, at: Point<'_>, out: &mut [f64]) {
         let mut v = std::mem::take(&mut self.scratch.phi);
         let mut a = std::mem::take(&mut self.scratch.jacobian);
         self.each_joint(at.q, |joint, x, equations| {
-            gather(joint.joint.support(), at.v, &mut v);
-            gather(joint.joint.support(), at.a, &mut a);
-            joint.joint.jerk(at.t, x, &v, &a, &mut out[equations]);
+            gather(joint.support(), at.v, &mut v);
+            gather(joint.support(), at.a, &mut a);
+            joint.jerk(at.t, x, &v, &a, &mut out[equations]);
         });
         self.scratch.phi = v;
         self.scratch.jacobian = a;
+        self.clear_idle(out);
     }
 
     fn constraint_rate(&mut self, t: f64, q: &[f64], out: &mut [f64]) {
-        self.each_joint(q, |joint, x, equations| joint.joint.rate(t, x, &mut out[equations]));
+        self.each_joint(q, |joint, x, equations| joint.rate(t, x, &mut out[equations]));
+        self.clear_idle(out);
+    }
+
+    fn idle(&self) -> &[bool] {
+        self.joints.off()
+    }
+
+    fn leave_out(&mut self, equations: &[bool]) {
+        self.memory.redundant.clear();
+        if equations.contains(&true) {
+            self.memory.redundant.extend_from_slice(equations);
+        }
+        self.joints.set_redundant(&self.model, &self.memory.redundant);
+    }
+
+    /// Rigidity first: what a joint asks for beyond it may be redundant.
+    fn constraint_order(&self) -> Vec<usize> {
+        let rigidity = self.model.joints.get(self.model.latches.len()).map_or(0, |j| j.first);
+        let all = self.model.multipliers;
+        let rigid = if self.model.rigid_bodies.is_empty() { all..all } else { rigidity..all };
+        rigid.clone().chain(0..rigid.start).collect()
+    }
+
+    fn owner(&self, multiplier: usize) -> String {
+        match self.model.joint_of(multiplier) {
+            Some(k) => format!("joint '{}'", self.model.joints[k].name),
+            None => format!("multiplier {multiplier}"),
+        }
     }
 
     /// Work of loads and dissipation: mean of the forces at both ends of the step times its displacement. Second
@@ -512,11 +662,7 @@ impl Problem for System {
             return self.model.describe(unknown);
         }
         let multiplier = unknown - self.model.map.coordinates;
-        let joint = self
-            .model
-            .joints
-            .iter()
-            .find(|j| (j.first..j.first + j.joint.equations()).contains(&multiplier));
+        let joint = self.model.joint_of(multiplier).map(|k| &self.model.joints[k]);
         match joint {
             Some(joint) => format!("joint '{}', equation {}", joint.name, multiplier - joint.first),
             None => format!("multiplier {multiplier}"),

@@ -35,6 +35,7 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
         rigid_bodies: Vec::new(),
         masses: Vec::new(),
         joints: Vec::new(),
+        latches: Vec::new(),
         loads: Vec::new(),
         forces: Vec::new(),
     };

@@ -22,6 +22,7 @@ pub fn solve_error(py: Python<'_>, error: &Error) -> PyErr {
         | Error::UndampedConstraints { .. }
         | Error::Length { .. }
         | Error::Value { .. }
+        | Error::Contradictory { .. }
         | Error::ConstraintViolated { .. } => PyModelError::new_err(error.to_string()),
         _ => match details(py, error) {
             Ok(details) => PyConvergenceError::new_err((error.to_string(), details.unbind())),

@@ -4,6 +4,7 @@ use crate::arrays::table;
 use crate::errors::{model_error, solve_error};
 use numpy::{PyArray1, PyArray2};
 use pliant_multibody::checkpoint::Saved;
+use pliant_multibody::latches::Switch;
 use pliant_multibody::run::{Leg, Records, Run};
 use pliant_multibody::system::Inputs;
 use pyo3::prelude::*;
@@ -72,10 +73,28 @@ pub fn records<'py>(
     let held = records.inputs.len().checked_div(n).unwrap_or(0);
     dict.set_item("lambda_", some(records.lambda_, nl)?)?;
     dict.set_item("energy", table(py, records.energy, 5)?)?;
+    dict.set_item("switches", PyArray1::from_vec(py, records.switches))?;
+    dict.set_item("history", history(py, &records.history)?)?;
     dict.set_item("inputs", some(records.inputs, held)?)?;
     let shown = records.outputs.len().checked_div(n).unwrap_or(0);
     dict.set_item("outputs", some(records.outputs, shown)?)?;
     Ok(dict)
+}
+
+/// What joints were made to do, one a row: time, joint, engaged, gap, size of the pose, pose, zeros.
+fn history<'py>(py: Python<'py>, history: &[Switch]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let width = history.iter().map(|s| s.pose.len()).max().unwrap_or(0);
+    let mut flat = Vec::with_capacity(history.len() * (5 + width));
+    for s in history {
+        let head =
+            [s.t, s.joint as f64, f64::from(u8::from(s.engaged)), s.gap, s.pose.len() as f64];
+        flat.extend(head);
+        flat.extend(s.pose.iter().copied().chain(std::iter::repeat(0.0)).take(width));
+    }
+    if history.is_empty() {
+        return Ok(PyArray2::zeros(py, [0, 5], false));
+    }
+    table(py, flat, 5 + width)
 }
 
 impl PyIntegrator {
@@ -116,6 +135,24 @@ impl PyIntegrator {
         let leg = Leg { steps, step, end, output_every };
         let taken = py.detach(|| run.advance(leg, limit));
         taken.map_err(|error| raise(py, &self.failure, &error))
+    }
+
+    #[getter]
+    fn next_event(&mut self) -> Option<f64> {
+        self.run().next_event()
+    }
+
+    #[pyo3(signature = (joint, engage, gap = None))]
+    fn switch(
+        &mut self,
+        py: Python<'_>,
+        joint: usize,
+        engage: bool,
+        gap: Option<f64>,
+    ) -> PyResult<()> {
+        let run = self.run();
+        let outcome = py.detach(|| run.switch(joint, engage, gap));
+        outcome.map_err(|error| raise(py, &self.failure, &error))
     }
 
     fn set_inputs(&mut self, py: Python<'_>, first: usize, values: Vec<f64>) -> PyResult<()> {

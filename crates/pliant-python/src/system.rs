@@ -6,6 +6,7 @@ use crate::run::{CallbackFailure, PyIntegrator, raise, records};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pliant_dae::generalized_alpha::Options;
 use pliant_multibody::checkpoint::Saved;
+use pliant_multibody::latches::Switch;
 use pliant_multibody::model::Model;
 use pliant_multibody::run::{Run, RunOptions, Start};
 use pliant_multibody::solve::{self, StaticOptions};
@@ -73,6 +74,20 @@ impl PySystem {
             return Ok(());
         }
         Err(PyModelError::new_err(format!("there is no joint number {joint} (there are {count})")))
+    }
+
+    /// Reads a row of a run's history that belongs to this joint.
+    fn switch(&self, joint: usize, row: Option<Row<'_>>) -> PyResult<Option<Switch>> {
+        let Some(row) = row else { return Ok(None) };
+        let wrong = || PyModelError::new_err("switch: must be a row of the history of this joint");
+        let row = row.as_slice()?;
+        let &[t, number, engaged, gap, size, ref rest @ ..] = row else { return Err(wrong()) };
+        let expected = self.model.pose_size(joint).ok_or_else(wrong)?;
+        if number != joint as f64 || size != expected as f64 || rest.len() < expected {
+            return Err(wrong());
+        }
+        let pose = rest[..expected].to_vec();
+        Ok(Some(Switch { t, joint, engaged: engaged != 0.0, gap, pose }))
     }
 }
 
@@ -143,6 +158,12 @@ impl PySystem {
         let forces = self.model.force_outputs();
         let flat = forces.iter().flatten().map(|&x| x as i64);
         PyArray1::from_iter(py, flat).reshape([forces.len(), 2])
+    }
+
+    /// Joints with equations that follow from others at the start: joint, how many, the joints that they follow from.
+    fn redundant(&self, py: Python<'_>) -> PyResult<Vec<(String, usize, Vec<String>)>> {
+        let found = py.detach(|| solve::redundant(&self.model));
+        found.map_err(|error| solve_error(py, &error))
     }
 
     fn describe_solver(&self, py: Python<'_>) -> PyResult<String> {
@@ -297,6 +318,7 @@ impl PySystem {
         Ok((table(py, axial, elements)?, vectors(py, curvature, elements)?))
     }
 
+    #[pyo3(signature = (joint, time, q, lambda_, switch = None))]
     fn reaction<'py>(
         &self,
         py: Python<'py>,
@@ -304,7 +326,9 @@ impl PySystem {
         time: Row<'py>,
         q: Rows<'py>,
         lambda_: Rows<'py>,
+        switch: Option<Row<'py>>,
     ) -> PyResult<(Table<'py>, Table<'py>)> {
+        let switch = self.switch(joint, switch)?;
         let (q, n) = rows(&q, "q", self.model.coordinates())?;
         let (lambda_, _) = rows(&lambda_, "lambda_", self.model.multipliers())?;
         let time = row(&time, "time", n)?;
@@ -312,27 +336,30 @@ impl PySystem {
         let (nq, nl) = (self.model.coordinates(), self.model.multipliers());
         let (mut forces, mut moments) = (Vec::new(), Vec::new());
         for ((t, q), lambda_) in time.iter().zip(q.chunks_exact(nq)).zip(lambda_.chunks_exact(nl)) {
-            let (force, moment) = self.model.reaction(joint, *t, q, lambda_);
+            let (force, moment) = self.model.reaction(joint, *t, q, lambda_, switch.as_ref());
             forces.extend(force);
             moments.extend(moment);
         }
         Ok((table(py, forces, 3)?, table(py, moments, 3)?))
     }
 
+    #[pyo3(signature = (joint, q, v, switch = None))]
     fn joint_motion<'py>(
         &self,
         py: Python<'py>,
         joint: usize,
         q: Rows<'py>,
         v: Rows<'py>,
+        switch: Option<Row<'py>>,
     ) -> PyResult<Option<Table<'py>>> {
         self.check_joint(joint)?;
+        let switch = self.switch(joint, switch)?;
         let (q, v) = (self.states(&q)?, self.states(&v)?);
         let n = self.model.coordinates().max(1);
         let motion: Option<Vec<[f64; 2]>> = q
             .chunks_exact(n)
             .zip(v.chunks_exact(n))
-            .map(|(q, v)| self.model.joint_motion(joint, q, v))
+            .map(|(q, v)| self.model.joint_motion(joint, q, v, switch.as_ref()))
             .collect();
         motion.map(|rows| table(py, rows.into_flattened(), 2)).transpose()
     }

@@ -44,6 +44,7 @@ pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec
         rigid_bodies: Vec::new(),
         masses: Vec::new(),
         joints,
+        latches: Vec::new(),
         loads: Vec::new(),
         forces: Vec::new(),
     }

@@ -1,0 +1,478 @@
+//! Equations that follow from others: found, left out of the solution, and the multipliers shared out among them all.
+//!
+//! Rows of `phi_q` that depend on other rows carry no information about the motion, and their multipliers are not
+//! determined. A largest set of independent rows is kept; the others read `lambda_ = 0` ([`Problem::leave_out`]).
+//! The motion is that of all equations, and among the multipliers that cause it the smallest are found by
+//! [`smallest_multipliers`].
+//!
+//! Rows are reduced one after the other by those before them, with the largest entry left over as pivot; those of
+//! which little is left wait for the end. What is sparse stays sparse: chains, trees and many small components cost
+//! in proportion to their number.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::error::Error;
+use crate::linear_solver::LinearSolver;
+use crate::problem::{Point, Problem, Weights};
+use crate::scaling::weighted_max;
+
+/// An equation that follows from others: its row is the sum of theirs, with these factors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dependency {
+    /// Number of the multiplier.
+    pub equation: usize,
+    /// Numbers of the multipliers of the others, and factors.
+    pub on: Vec<(usize, f64)>,
+    /// Number of the component of the constraints: those of different ones share no coordinates.
+    pub component: usize,
+}
+
+/// What is left of a dependent row, relative to its largest entry on the way.
+const DEPENDENT: f64 = 1e-8;
+/// Rows of which less is left wait: others may make better pivots.
+const POOR: f64 = 0.1;
+/// Factors below this part of the largest are rounding.
+const NEGLIGIBLE: f64 = 1e-6;
+/// Part of the rates of equations by which they may differ from those that they follow from.
+const AGREEMENT: f64 = 1e-7;
+
+/// Residual, in units of its scale, of an equation that does not follow from those that hold.
+const LARGEST_VIOLATION: f64 = 1e-7;
+/// What cannot be had.
+const POSITIONS: &str = "positions that all allow";
+
+/// The Jacobian alone.
+const JACOBIAN: Weights = Weights { mass: 0.0, damping: 0.0, stiffness: 0.0, jacobian: 1.0 };
+/// The matrix `[M phi_q^T; phi_q 0]`.
+const WITH_MASS: Weights = Weights { mass: 1.0, damping: 0.0, stiffness: 0.0, jacobian: 1.0 };
+
+type Row = Vec<(usize, f64)>;
+
+/// Rows of the dimensionless Jacobian at `(t, q)`, nothing being left out.
+fn rows<P: Problem + ?Sized>(problem: &mut P, t: f64, q: &[f64]) -> Vec<Row> {
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    let zero = vec![0.0; n.max(m)];
+    let mut values = vec![0.0; problem.structure().values()];
+    let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+    problem.tangent(at, JACOBIAN, &mut values);
+    let structure = problem.structure();
+    let (scale, constraint_scale) = (problem.scale(), problem.constraint_scale());
+    let mut rows: Vec<Row> = vec![Vec::new(); m];
+    let mut unknowns = Vec::new();
+    for e in 0..structure.elements() {
+        unknowns.clear();
+        unknowns.extend(structure.element_unknowns(e));
+        for (i, &row) in unknowns.iter().enumerate().filter(|(_, row)| **row >= n) {
+            let row = row - n;
+            for (j, &column) in unknowns.iter().enumerate().filter(|(_, column)| **column < n) {
+                let entry = structure.entry(e, unknowns.len(), i, j, &values);
+                if entry != 0.0 {
+                    rows[row].push((column, entry * scale[column] / constraint_scale[row]));
+                }
+            }
+        }
+    }
+    for row in &mut rows {
+        row.sort_by_key(|&(column, _)| column);
+        row.dedup_by(|b, a| {
+            let same = a.0 == b.0;
+            if same {
+                a.1 += b.1;
+            }
+            same
+        });
+    }
+    rows
+}
+
+fn size(row: &[(usize, f64)]) -> f64 {
+    row.iter().fold(0.0, |m, (_, x)| f64::max(m, x.abs()))
+}
+
+/// Takes out rows that own a column: they depend on nothing.
+fn peel(rows: &[Row]) -> Vec<bool> {
+    let mut users: HashMap<usize, Vec<usize>> = HashMap::new();
+    for (i, row) in rows.iter().enumerate() {
+        for &(column, _) in row {
+            users.entry(column).or_default().push(i);
+        }
+    }
+    let mut count: HashMap<usize, usize> = users.iter().map(|(&c, u)| (c, u.len())).collect();
+    let mut left: Vec<bool> = rows.iter().map(|r| !r.is_empty()).collect();
+    let mut queue: Vec<usize> = (0..rows.len()).collect();
+    while let Some(i) = queue.pop() {
+        let bound = POOR * size(&rows[i]);
+        let owns = |&(c, x): &(usize, f64)| count.get(&c) == Some(&1) && x.abs() > bound;
+        if !left[i] || !rows[i].iter().any(owns) {
+            continue;
+        }
+        left[i] = false;
+        for (column, _) in &rows[i] {
+            let users = &users[column];
+            if let Some(count) = count.get_mut(column) {
+                *count -= 1;
+                if *count == 1 {
+                    queue.extend(users.iter().filter(|&&u| left[u]));
+                }
+            }
+        }
+    }
+    left
+}
+
+/// Rows in a staircase: each reduced by those before it.
+#[derive(Default)]
+struct Staircase {
+    pivots: Vec<(usize, Row)>,
+    of_column: HashMap<usize, usize>,
+}
+
+impl Staircase {
+    /// What is left of a row, and the largest entry on the way.
+    fn reduce(&self, row: &Row) -> (Row, f64) {
+        let mut entries: HashMap<usize, f64> = HashMap::with_capacity(4 * row.len());
+        let mut waiting: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut largest = size(row);
+        for &(column, x) in row {
+            entries.insert(column, x);
+            if let Some(&k) = self.of_column.get(&column) {
+                waiting.insert(k, column);
+            }
+        }
+        while let Some((k, column)) = waiting.pop_first() {
+            let Some(x) = entries.remove(&column) else { continue };
+            if x == 0.0 {
+                continue;
+            }
+            let (_, pivot) = &self.pivots[k];
+            let factor = x / pivot.iter().find(|(c, _)| *c == column).map_or(1.0, |p| p.1);
+            for &(c, p) in pivot.iter().filter(|(c, _)| *c != column) {
+                let entry = entries.entry(c).or_insert(0.0);
+                *entry -= factor * p;
+                largest = largest.max(entry.abs());
+                if let Some(&k) = self.of_column.get(&c) {
+                    waiting.insert(k, c);
+                }
+            }
+        }
+        let mut rest: Row = entries.into_iter().filter(|(_, x)| *x != 0.0).collect();
+        rest.sort_by_key(|&(column, _)| column);
+        (rest, largest)
+    }
+
+    /// Adds a row that is reduced.
+    fn add(&mut self, row: Row) {
+        // The first of equal entries: the order of columns decides, not that of a hash.
+        let best = row
+            .iter()
+            .fold((0, 0.0_f64), |b, &(c, x)| if x.abs() > b.1 { (c, x.abs()) } else { b });
+        self.of_column.insert(best.0, self.pivots.len());
+        self.pivots.push((best.0, row));
+    }
+}
+
+/// Which equations follow from others at `(t, q)`; where there is a choice, those late in `order`.
+fn dependent_rows<P: Problem + ?Sized>(problem: &mut P, t: f64, q: &[f64]) -> Vec<bool> {
+    let rows = rows(problem, t, q);
+    let left = peel(&rows);
+    let mut dependent = vec![false; rows.len()];
+    if !left.contains(&true) {
+        return dependent;
+    }
+    let mut stairs = Staircase::default();
+    let mut waiting = Vec::new();
+    for i in problem.constraint_order() {
+        if !left[i] {
+            continue;
+        }
+        let (rest, largest) = stairs.reduce(&rows[i]);
+        if size(&rest) > POOR * largest {
+            stairs.add(rest);
+        } else {
+            waiting.push(i);
+        }
+    }
+    for i in waiting {
+        let (rest, largest) = stairs.reduce(&rows[i]);
+        if size(&rest) > DEPENDENT * largest {
+            stairs.add(rest);
+        } else {
+            dependent[i] = true;
+        }
+    }
+    dependent
+}
+
+/// Leaves the equations out that follow from others at `(t, q)`.
+///
+/// # Errors
+/// A singular mass matrix.
+pub fn leave_out_dependent<P: Problem + ?Sized>(
+    problem: &mut P,
+    solver: &mut dyn LinearSolver,
+    t: f64,
+    q: &[f64],
+) -> Result<Vec<Dependency>, Error> {
+    if problem.multipliers() == 0 {
+        return Ok(Vec::new());
+    }
+    problem.leave_out(&[]);
+    let dependent = dependent_rows(problem, t, q);
+    if !dependent.contains(&true) {
+        return Ok(Vec::new());
+    }
+    problem.leave_out(&dependent);
+    dependencies(problem, solver, t, q, &dependent)
+}
+
+/// How the equations that are left out follow from the others.
+///
+/// # Errors
+/// A singular mass matrix.
+pub fn dependencies<P: Problem + ?Sized>(
+    problem: &mut P,
+    solver: &mut dyn LinearSolver,
+    t: f64,
+    q: &[f64],
+    dependent: &[bool],
+) -> Result<Vec<Dependency>, Error> {
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    problem.leave_out(&[]);
+    let rows = rows(problem, t, q);
+    problem.leave_out(dependent);
+    let zero = vec![0.0; n.max(m)];
+    let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+    let mut values = vec![0.0; problem.structure().values()];
+    problem.tangent(at, WITH_MASS, &mut values);
+    solver.factor(problem.structure(), &values).map_err(|e| Error::from_factor(problem, t, &e))?;
+    let component = components(&rows);
+    // One equation of each component at a time: their solutions do not overlap.
+    let mut queues: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for i in (0..m).rev().filter(|&i| dependent[i]) {
+        queues.entry(component[i]).or_default().push(i);
+    }
+    let members: Vec<usize> = (0..m).filter(|&i| queues.contains_key(&component[i])).collect();
+    let mut found = Vec::new();
+    let (scale, constraint_scale) = (problem.scale(), problem.constraint_scale());
+    while queues.values().any(|queue| !queue.is_empty()) {
+        let now: BTreeMap<usize, usize> =
+            queues.iter_mut().filter_map(|(&c, queue)| Some((c, queue.pop()?))).collect();
+        let mut x = vec![0.0; n + m];
+        for &i in now.values() {
+            for &(column, entry) in &rows[i] {
+                x[column] += entry / scale[column] * constraint_scale[i];
+            }
+        }
+        solver.solve(&mut x);
+        let mut on: BTreeMap<usize, Row> = now.keys().map(|&c| (c, Vec::new())).collect();
+        for &j in members.iter().filter(|&&j| !dependent[j]) {
+            if let (Some(on), Some(&i)) = (on.get_mut(&component[j]), now.get(&component[j])) {
+                let factor = x[n + j];
+                if (factor * constraint_scale[j]).abs() > NEGLIGIBLE * constraint_scale[i] {
+                    on.push((j, factor));
+                }
+            }
+        }
+        let new = |(c, on)| Dependency { equation: now[&c], on, component: c };
+        found.extend(on.into_iter().map(new));
+    }
+    found.sort_by_key(|d| (d.component, d.equation));
+    Ok(found)
+}
+
+/// Number of the component that each row belongs to: rows that share columns do.
+fn components(rows: &[Row]) -> Vec<usize> {
+    let mut parent: Vec<usize> = (0..rows.len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    let mut first: HashMap<usize, usize> = HashMap::new();
+    for (i, row) in rows.iter().enumerate() {
+        for &(column, _) in row {
+            let other = *first.entry(column).or_insert(i);
+            let (a, b) = (root(&mut parent, i), root(&mut parent, other));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    (0..rows.len()).map(|i| root(&mut parent, i)).collect()
+}
+
+/// Refuses equations whose rates or accelerations (`values`, one for each equation) contradict those of the equations
+/// that they follow from.
+pub(crate) fn require_agreement<P: Problem + ?Sized>(
+    problem: &P,
+    t: f64,
+    dependencies: &[Dependency],
+    values: &[f64],
+    what: &'static str,
+) -> Result<(), Error> {
+    for dependency in dependencies {
+        let i = dependency.equation;
+        let terms = || dependency.on.iter().map(|&(j, factor)| factor * values[j]);
+        let gap = values[i] - terms().sum::<f64>();
+        let large = terms().fold(values[i].abs(), |m, x| m.max(x.abs()));
+        let floor = 1e-10 * problem.constraint_scale()[i];
+        if gap.abs() > AGREEMENT * large + floor {
+            return Err(contradiction(problem, t, dependency, what));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses positions that satisfy equations, but not those that should follow from them.
+pub(crate) fn require_met<P: Problem + ?Sized>(
+    problem: &mut P,
+    t: f64,
+    q: &[f64],
+    dependencies: &[Dependency],
+) -> Result<(), Error> {
+    if dependencies.is_empty() {
+        return Ok(());
+    }
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    let zero = vec![0.0; n.max(m)];
+    let (mut force, mut phi) = (vec![0.0; n], vec![0.0; m]);
+    let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+    let mut left_out = vec![false; m];
+    for dependency in dependencies {
+        left_out[dependency.equation] = true;
+    }
+    problem.leave_out(&[]);
+    let outcome = problem.residual(at, &mut force, &mut phi);
+    problem.leave_out(&left_out);
+    outcome.map_err(|source| Error::Evaluation { t, source })?;
+    let scale = problem.constraint_scale();
+    let off = |d: &&Dependency| !(phi[d.equation].abs() <= LARGEST_VIOLATION * scale[d.equation]);
+    match dependencies.iter().find(off) {
+        Some(dependency) => Err(contradiction(problem, t, dependency, POSITIONS)),
+        None => Ok(()),
+    }
+}
+
+fn contradiction<P: Problem + ?Sized>(
+    problem: &P,
+    t: f64,
+    dependency: &Dependency,
+    what: &'static str,
+) -> Error {
+    let mut names = vec![problem.owner(dependency.equation)];
+    for &(j, _) in &dependency.on {
+        let name = problem.owner(j);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    Error::Contradictory { t, names, what }
+}
+
+/// Moves positions onto all constraints, those included that were left out, by the least change in the mass.
+///
+/// # Errors
+/// [`Error::Contradictory`] where there is no such position nearby.
+pub fn project_positions<P: Problem + ?Sized>(
+    problem: &mut P,
+    solver: &mut dyn LinearSolver,
+    t: f64,
+    q: &mut Vec<f64>,
+    tolerance: f64,
+) -> Result<(), Error> {
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    let weight: Vec<f64> = problem.constraint_scale().iter().map(|s| s.recip()).collect();
+    let zero = vec![0.0; n.max(m)];
+    let (mut force, mut phi) = (vec![0.0; n], vec![0.0; m]);
+    let mut last = Vec::new();
+    for _ in 0..8 {
+        problem.leave_out(&[]);
+        let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+        let outcome = problem.residual(at, &mut force, &mut phi);
+        outcome.map_err(|source| Error::Evaluation { t, source })?;
+        if weighted_max(&phi, &weight) <= tolerance {
+            return Ok(());
+        }
+        last = leave_out_dependent(problem, solver, t, q)?;
+        for dependency in &last {
+            phi[dependency.equation] = 0.0;
+        }
+        let mut x = zero[..n].to_vec();
+        x.extend(phi.iter().map(|p| -p));
+        solver.solve(&mut x);
+        let mut moved = q.clone();
+        problem.retract(q, &x[..n], &mut moved);
+        *q = moved;
+    }
+    let what = POSITIONS;
+    match last.first() {
+        Some(dependency) => Err(contradiction(problem, t, dependency, what)),
+        None => {
+            let worst = crate::scaling::worst(&phi, &weight);
+            Err(Error::Contradictory { t, names: vec![problem.owner(worst)], what })
+        }
+    }
+}
+
+/// The smallest multipliers, in units of forces that do the same work, that act on the coordinates as `lambda_` does:
+/// `min |S lambda_|` under `phi_q^T lambda_` as given, S the scale of the constraints.
+///
+/// # Errors
+/// A singular mass matrix.
+pub fn smallest_multipliers<P: Problem + ?Sized>(
+    problem: &mut P,
+    solver: &mut dyn LinearSolver,
+    t: f64,
+    q: &[f64],
+    lambda_: &mut [f64],
+    left_out: &[bool],
+) -> Result<(), Error> {
+    let found = dependencies(problem, solver, t, q, left_out)?;
+    for group in found.chunk_by(|a, b| a.component == b.component) {
+        take_out_idle_part(group, problem.constraint_scale(), lambda_);
+    }
+    Ok(())
+}
+
+/// The same for the equations of one component.
+fn take_out_idle_part(found: &[Dependency], scale: &[f64], lambda_: &mut [f64]) {
+    // Directions w that act on nothing: one for each equation left out, minus those that it follows from. The
+    // component along their span is taken out.
+    let directions: Vec<HashMap<usize, f64>> = found
+        .iter()
+        .map(|d| {
+            let own = std::iter::once((d.equation, scale[d.equation]));
+            own.chain(d.on.iter().map(|&(j, x)| (j, -x * scale[j]))).collect()
+        })
+        .collect();
+    let r = directions.len();
+    let dot = |a: &HashMap<usize, f64>, b: &HashMap<usize, f64>| -> f64 {
+        let (few, many) = if a.len() < b.len() { (a, b) } else { (b, a) };
+        let mut keys: Vec<&usize> = few.keys().filter(|k| many.contains_key(*k)).collect();
+        keys.sort();
+        keys.iter().map(|k| few[*k] * many[*k]).sum()
+    };
+    let mut gram = nalgebra::DMatrix::zeros(r, r);
+    for i in 0..r {
+        for j in 0..=i {
+            let value = dot(&directions[i], &directions[j]);
+            gram[(i, j)] = value;
+            gram[(j, i)] = value;
+        }
+    }
+    let right = nalgebra::DVector::from_iterator(
+        r,
+        found.iter().map(|d| {
+            let own = lambda_[d.equation] * scale[d.equation].powi(2);
+            own - d.on.iter().map(|&(j, x)| x * lambda_[j] * scale[j].powi(2)).sum::<f64>()
+        }),
+    );
+    let Some(factors) = gram.cholesky() else { return };
+    let amounts = factors.solve(&right);
+    for (d, amount) in found.iter().zip(amounts.iter()) {
+        lambda_[d.equation] -= amount;
+        for &(j, x) in &d.on {
+            lambda_[j] += amount * x;
+        }
+    }
+}
