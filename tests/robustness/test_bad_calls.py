@@ -81,6 +81,11 @@ def two_jets(s: SimpleNamespace) -> Any:
     return stepper(SimpleNamespace(m=model, ball=s.ball))
 
 
+def pinned(s: SimpleNamespace) -> pl.Joint:
+    joint: pl.Joint = s.m.copy().pin(s.rope.end)
+    return joint
+
+
 def one_ball() -> pl.Model:
     model = pl.Model()
     model.add_point_mass(1.0, at=(0, 0, 0), name="other ball")
@@ -271,17 +276,17 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("a", "brick", lambda s: s.m.hinge(s.brick)),
     ("axis", "(0, 0, 0)", lambda s: s.m.hinge(s.brick.center, axis=(0, 0, 0))),
     # release and engage
-    ("at", "-1", lambda s: s.m.pin(s.rope.end).release(at=-1.0)),
-    ("at", "nan", lambda s: s.m.pin(s.rope.end).engage(at=NAN)),
-    ("at", "'soon'", lambda s: s.m.pin(s.rope.end).engage(at="soon")),
-    ("at", "released at that time", lambda s: s.m.pin(s.rope.end).release(at=1.0).engage(at=1.0)),
-    ("gap", "-0.1", lambda s: s.m.pin(s.rope.end).engage(at=1.0, gap=-0.1)),
-    ("gap", "True", lambda s: s.m.pin(s.rope.end).engage(at=1.0, gap=True)),
+    ("at", "-1", lambda s: pinned(s).release(at=-1.0)),
+    ("at", "nan", lambda s: pinned(s).engage(at=NAN)),
+    ("at", "'soon'", lambda s: pinned(s).engage(at="soon")),
+    ("at", "released at that time", lambda s: pinned(s).release(at=1.0).engage(at=1.0)),
+    ("gap", "-0.1", lambda s: pinned(s).engage(at=1.0, gap=-0.1)),
+    ("gap", "True", lambda s: pinned(s).engage(at=1.0, gap=True)),
     ("engaged", "None", lambda s: s.m.pin(s.rope.end, engaged=None)),
     ("to", "engaged=False", lambda s: s.m.pin(s.rope.end, s.net.node(0))),
     ("joint", "take the handle of a model", lambda s: pl.Joint("pin1", "").release(at=1.0)),
     ("joint", "'pin1'", lambda s: stepper(s).release("pin1")),
-    ("gap", "-1", lambda s: stepper(s).engage(s.m.pin(s.rope.end), gap=-1)),
+    ("gap", "-1", lambda s: stepper(s).engage(pinned(s), gap=-1)),
     ("axis", "'z'", lambda s: s.m.hinge(s.brick.center, axis="z")),
     ("axis", "tangent", lambda s: s.m.hinge(s.rope.end, axis=(1, 1, 0))),
     ("axis", "nan", lambda s: s.m.slider(s.brick, axis=(NAN, 0, 1))),

@@ -346,7 +346,7 @@ pub(crate) fn require_met<P: Problem + ?Sized>(
     problem.leave_out(&left_out);
     outcome.map_err(|source| Error::Evaluation { t, source })?;
     let scale = problem.constraint_scale();
-    let off = |d: &&Dependency| !(phi[d.equation].abs() <= LARGEST_VIOLATION * scale[d.equation]);
+    let off = |d: &&Dependency| phi[d.equation].abs() > LARGEST_VIOLATION * scale[d.equation];
     match dependencies.iter().find(off) {
         Some(dependency) => Err(contradiction(problem, t, dependency, POSITIONS)),
         None => Ok(()),
