@@ -11,6 +11,7 @@ from pliant.bodies import LineBody
 from pliant.forces import ForceData
 from pliant.joints import Pair
 from pliant.loads import Force, LineLoad
+from pliant.redundancy import redundancies
 from pliant.rigid import RigidBodyData
 from pliant.signals import Constant, Signal
 
@@ -45,6 +46,12 @@ def describe(model: Model) -> str:
             lowered.plan[name]["kind"]
         ]
         rows.append((name, type(joint).__name__.lower(), text + (f" ({how})" if how else "")))
+    names = {name: row for row, name in enumerate([*model._bodies, *model._joints])}
+    for found in redundancies(model):
+        name, what, text = rows[names[found.joint]]
+        equations = "equation follows" if found.equations == 1 else "equations follow"
+        text += f" ({found.equations} {equations} from {', '.join(found.follows_from)})"
+        rows[names[found.joint]] = (name, what, text)
     for name, load in model._loads.items():
         if isinstance(load, LineLoad):
             rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass
 from pliant.rigid import RigidBodyData
 from pliant.signals import Signal, as_signal
 from pliant.typing import ArrayLike, FloatArray, Json
+
+if TYPE_CHECKING:
+    from pliant.redundancy import Redundancy
 
 __all__ = ["Model"]
 
@@ -468,6 +471,27 @@ class Model(Drives):
         from pliant._lower import lower
 
         return lower(self).multipliers
+
+    @property
+    def redundant(self) -> tuple[Redundancy, ...]:
+        """Joints with equations that follow from those of others at the start, which runs leave out.
+
+        The motion is that of all equations; of the multipliers, which they do not determine, the smallest are
+        found: the least sum of squares of forces times the size of the model, and moments.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model()
+        >>> door = model.add_rigid_body(density=500.0, shape=pl.Box((0.8, 0.04, 2.0)), position=(0.4, 0, 0))
+        >>> upper = model.hinge(door.at((-0.4, 0, 0.8)), name="upper")
+        >>> lower = model.hinge(door.at((-0.4, 0, -0.8)), name="lower")
+        >>> model.redundant
+        (Redundancy(joint='lower', equations=5, follows_from=('upper',)),)
+        """
+        from pliant.redundancy import redundancies
+
+        return redundancies(self)
 
     def __repr__(self) -> str:
         return f"<Model: {len(self._bodies)} bodies, {len(self._joints)} joints, {len(self._loads)} loads>"

@@ -458,6 +458,11 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | None = No
     lowered, system = build(model, state)
     freedoms = system.velocities - system.multipliers
     if count > freedoms:
+        freedoms += sum(equations for _, equations, _ in system.redundant())
+        offsets = system.joint_offsets()
+        free = (one["joint"] for one in lowered.document["latches"] if not one["engaged"])
+        freedoms += int(sum(offsets[joint, 1] for joint in free))
+    if count > freedoms:
         _check.fail("count", count, f"the model has {freedoms} degrees of freedom")
     q, _ = start_vectors(lowered, system, state, model)
     lambda_ = None

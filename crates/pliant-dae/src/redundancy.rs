@@ -15,6 +15,7 @@ use crate::error::Error;
 use crate::linear_solver::LinearSolver;
 use crate::problem::{Point, Problem, Weights};
 use crate::scaling::weighted_max;
+use crate::structure::entry_number;
 
 /// An equation that follows from others: its row is the sum of theirs, with these factors.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +24,6 @@ pub struct Dependency {
     pub equation: usize,
     /// Numbers of the multipliers of the others, and factors.
     pub on: Vec<(usize, f64)>,
-    /// Number of the component of the constraints: those of different ones share no coordinates.
-    pub component: usize,
 }
 
 /// What is left of a dependent row, relative to its largest entry on the way.
@@ -273,10 +272,9 @@ pub fn dependencies<P: Problem + ?Sized>(
                 }
             }
         }
-        let new = |(c, on)| Dependency { equation: now[&c], on, component: c };
-        found.extend(on.into_iter().map(new));
+        found.extend(on.into_iter().map(|(c, on)| Dependency { equation: now[&c], on }));
     }
-    found.sort_by_key(|d| (d.component, d.equation));
+    found.sort_by_key(|d| d.equation);
     Ok(found)
 }
 
@@ -414,11 +412,17 @@ pub fn project_positions<P: Problem + ?Sized>(
     }
 }
 
-/// The smallest multipliers, in units of forces that do the same work, that act on the coordinates as `lambda_` does:
-/// `min |S lambda_|` under `phi_q^T lambda_` as given, S the scale of the constraints.
+/// Part of the mass that keeps coordinates apart which no constraint holds.
+const WEAK: f64 = 1e-8;
+
+/// The smallest multipliers, in units of work, that act on the coordinates as `lambda_` does: `min |S lambda_|` with
+/// `phi_q^T lambda_` as given, S the scale of the constraints.
+///
+/// Being smallest means `lambda_ = S^-2 phi_q y`: one system for y and the multipliers with all equations, `-S^2` on the
+/// diagonal of the multipliers, and a weak mass on the coordinates, whose part of the force is solved for again.
 ///
 /// # Errors
-/// A singular mass matrix.
+/// A matrix that cannot be factorised.
 pub fn smallest_multipliers<P: Problem + ?Sized>(
     problem: &mut P,
     solver: &mut dyn LinearSolver,
@@ -427,52 +431,60 @@ pub fn smallest_multipliers<P: Problem + ?Sized>(
     lambda_: &mut [f64],
     left_out: &[bool],
 ) -> Result<(), Error> {
-    let found = dependencies(problem, solver, t, q, left_out)?;
-    for group in found.chunk_by(|a, b| a.component == b.component) {
-        take_out_idle_part(group, problem.constraint_scale(), lambda_);
+    let (n, m) = (problem.velocities(), problem.multipliers());
+    let released: Vec<bool> =
+        problem.idle().iter().zip(left_out).map(|(idle, left_out)| idle & !left_out).collect();
+    problem.leave_out(&[]);
+    let zero = vec![0.0; n.max(m)];
+    let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+    let mut values = vec![0.0; problem.structure().values()];
+    let mass = Weights { jacobian: 0.0, ..WITH_MASS };
+    problem.tangent(at, mass, &mut values);
+    let heaviest = values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let weak = Weights { mass: WEAK / heaviest.max(f64::MIN_POSITIVE), ..WITH_MASS };
+    problem.tangent(at, weak, &mut values);
+    let jacobian = {
+        let mut values = values.clone();
+        problem.tangent(at, JACOBIAN, &mut values);
+        values
+    };
+    let scale = problem.constraint_scale();
+    let structure = problem.structure();
+    let mut unknowns = Vec::new();
+    let mut done = vec![false; m];
+    for e in 0..structure.elements() {
+        unknowns.clear();
+        unknowns.extend(structure.element_unknowns(e));
+        let slot = structure.slot(e);
+        for (i, &unknown) in unknowns.iter().enumerate().filter(|(_, u)| **u >= n) {
+            let j = unknown - n;
+            if !done[j] && !released.get(j).copied().unwrap_or(false) {
+                done[j] = true;
+                let number = entry_number(unknowns.len(), i, i, slot.storage);
+                values[slot.base + slot.stride * number] = -scale[j] * scale[j];
+            }
+        }
+    }
+    let factored = solver.factor(structure, &values);
+    factored.map_err(|e| Error::from_factor(problem, t, &e))?;
+    let structure = problem.structure();
+    let mut forces = vec![0.0; n + m];
+    let mut padded = vec![0.0; n];
+    padded.extend_from_slice(lambda_);
+    structure.multiply_add(&jacobian, &padded, &mut forces, false);
+    let wanted = forces[..n].to_vec();
+    lambda_.fill(0.0);
+    for _ in 0..3 {
+        padded[..n].fill(0.0);
+        padded[n..].copy_from_slice(lambda_);
+        forces.fill(0.0);
+        structure.multiply_add(&jacobian, &padded, &mut forces, false);
+        let mut x: Vec<f64> = wanted.iter().zip(&forces).map(|(w, f)| w - f).collect();
+        x.resize(n + m, 0.0);
+        solver.solve(&mut x);
+        for (lambda_, x) in lambda_.iter_mut().zip(&x[n..]) {
+            *lambda_ += x;
+        }
     }
     Ok(())
-}
-
-/// The same for the equations of one component.
-fn take_out_idle_part(found: &[Dependency], scale: &[f64], lambda_: &mut [f64]) {
-    // Directions w that act on nothing: one for each equation left out, minus those that it follows from. The
-    // component along their span is taken out.
-    let directions: Vec<HashMap<usize, f64>> = found
-        .iter()
-        .map(|d| {
-            let own = std::iter::once((d.equation, scale[d.equation]));
-            own.chain(d.on.iter().map(|&(j, x)| (j, -x * scale[j]))).collect()
-        })
-        .collect();
-    let r = directions.len();
-    let dot = |a: &HashMap<usize, f64>, b: &HashMap<usize, f64>| -> f64 {
-        let (few, many) = if a.len() < b.len() { (a, b) } else { (b, a) };
-        let mut keys: Vec<&usize> = few.keys().filter(|k| many.contains_key(*k)).collect();
-        keys.sort();
-        keys.iter().map(|k| few[*k] * many[*k]).sum()
-    };
-    let mut gram = nalgebra::DMatrix::zeros(r, r);
-    for i in 0..r {
-        for j in 0..=i {
-            let value = dot(&directions[i], &directions[j]);
-            gram[(i, j)] = value;
-            gram[(j, i)] = value;
-        }
-    }
-    let right = nalgebra::DVector::from_iterator(
-        r,
-        found.iter().map(|d| {
-            let own = lambda_[d.equation] * scale[d.equation].powi(2);
-            own - d.on.iter().map(|&(j, x)| x * lambda_[j] * scale[j].powi(2)).sum::<f64>()
-        }),
-    );
-    let Some(factors) = gram.cholesky() else { return };
-    let amounts = factors.solve(&right);
-    for (d, amount) in found.iter().zip(amounts.iter()) {
-        lambda_[d.equation] -= amount;
-        for &(j, x) in &d.on {
-            lambda_[j] += amount * x;
-        }
-    }
 }
