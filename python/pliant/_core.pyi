@@ -162,6 +162,19 @@ class Integrator:
         """Time of the next scheduled event: a step must end there."""
     def switch(self, joint: int, engage: bool, gap: float | None = None) -> None:
         """Engages or releases a joint now; nothing has changed where that fails."""
+    def advance_freely(
+        self,
+        end: float,
+        *,
+        rtol: float,
+        atol: float,
+        max_step: float,
+        steps: int = ...,
+        output_every: int = 0,
+        seconds: float = 0.1,
+    ) -> int:
+        """Takes steps as long as the local error allows, ``rtol`` times the model's size plus ``atol`` [m], none
+        past the time ``end`` or a kink of a load; otherwise as ``advance``."""
     def set_inputs(self, first: int, values: Sequence[float]) -> None:
         """Sets inputs from number ``first`` on: they hold at the end of the next step."""
     def save(self) -> bytes:

@@ -20,6 +20,21 @@ pub struct Failure {
     pub name: String,
 }
 
+/// A step whose local error is too large.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Time aimed at [s].
+    pub t: f64,
+    /// Step tried [s].
+    pub h: f64,
+    /// Estimated error in units of the tolerance.
+    pub estimate: f64,
+    /// The unknown that errs most.
+    pub unknown: usize,
+    /// Its description.
+    pub name: String,
+}
+
 /// Everything that can go wrong here.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -116,6 +131,13 @@ pub enum Error {
         .0.t, .0.h, .0.iterations, .0.name, .0.increments
     )]
     NotConverged(Box<Failure>),
+    /// No step is short enough for the accuracy asked for.
+    #[error(
+        "at t = {} a step of {:.3e} s still errs by {:.3e} times the tolerance, most in {}: the motion jumps there \
+         (an impact, or a load that jumps), or the tolerance is below rounding",
+        .0.t, .0.h, .0.estimate, .0.name
+    )]
+    Accuracy(Box<Accuracy>),
     /// A force, constraint or increment is not finite.
     #[error("not finite at t = {} with a step of {}: {}", .0.t, .0.h, .0.name)]
     NotFinite(Box<Failure>),

@@ -22,6 +22,16 @@ use crate::statistics::Stopwatch;
 impl<P: Problem> Integrator<P> {
     /// One step to time `t`, `h` away; on failure the state is unchanged.
     pub(crate) fn step_to(&mut self, t: f64, h: f64) -> Result<StepReport, Error> {
+        self.attempt(t, h, None)
+    }
+
+    /// The same; refused with [`Error::Accuracy`] where its local error is above `tolerance`.
+    pub(crate) fn attempt(
+        &mut self,
+        t: f64,
+        h: f64,
+        tolerance: Option<f64>,
+    ) -> Result<StepReport, Error> {
         let before = (self.statistics.newton_iterations, self.statistics.factorizations);
         let prepared_anew = self.state.h != h;
         if prepared_anew {
@@ -29,7 +39,12 @@ impl<P: Problem> Integrator<P> {
         }
         let mut watch = Stopwatch::start(self.options.timed);
         self.predict(t, h);
-        if let Err(error) = self.iterate(h, &mut watch) {
+        let solved = self.iterate(h, &mut watch);
+        let solved = match tolerance {
+            Some(tolerance) => solved.and_then(|()| self.estimate(h, tolerance)),
+            None => solved,
+        };
+        if let Err(error) = solved {
             if prepared_anew {
                 self.undo_prepare();
             }

@@ -155,20 +155,36 @@ pub(crate) fn normal_component<P: Problem + ?Sized>(
     x: &[f64],
     shift: &[f64],
 ) -> Result<Vec<f64>, Error> {
+    normal_components(problem, solver, t, q, [(x, shift)]).map(|[w]| w)
+}
+
+/// The same for several vectors and their shifts, with one factorisation.
+pub(crate) fn normal_components<P: Problem + ?Sized, const K: usize>(
+    problem: &mut P,
+    solver: &mut dyn LinearSolver,
+    t: f64,
+    q: &[f64],
+    given: [(&[f64], &[f64]); K],
+) -> Result<[Vec<f64>; K], Error> {
     let n = problem.velocities();
-    let values = factor_mass(problem, solver, t, q, x)?;
-    let mut input = x.to_vec();
-    input.resize(n + shift.len(), 0.0);
-    let mut out = vec![0.0; n + shift.len()];
-    problem.structure().multiply_add(&values, &input, &mut out, false);
-    out[..n].fill(0.0);
-    for (o, s) in out[n..].iter_mut().zip(shift) {
-        *o += s;
+    let values = factor_mass(problem, solver, t, q, &vec![0.0; n])?;
+    let found = given.map(|(x, shift)| {
+        let mut input = x.to_vec();
+        input.resize(n + shift.len(), 0.0);
+        let mut out = vec![0.0; n + shift.len()];
+        problem.structure().multiply_add(&values, &input, &mut out, false);
+        out[..n].fill(0.0);
+        for (o, s) in out[n..].iter_mut().zip(shift) {
+            *o += s;
+        }
+        solver.solve(&mut out);
+        out.truncate(n);
+        out
+    });
+    for w in &found {
+        finite_or_name(problem, t, w)?;
     }
-    solver.solve(&mut out);
-    out.truncate(n);
-    finite_or_name(problem, t, &out)?;
-    Ok(out)
+    Ok(found)
 }
 
 /// Accelerations and multipliers at a state, with one step of iterative refinement.

@@ -73,6 +73,11 @@ pub(crate) struct Workspace {
     pub(crate) zero: Vec<f64>,
     pub(crate) monitor: Monitor,
     pub(crate) saved: Saved,
+    /// Accelerations perturbed for the error estimate.
+    pub(crate) perturbed: Vec<f64>,
+    /// Error of the last controlled step, in units of the tolerance.
+    pub(crate) error: f64,
+    pub(crate) inverse_error_scale: Vec<f64>,
 }
 
 impl<P: Problem> Integrator<P> {
@@ -128,6 +133,9 @@ impl<P: Problem> Integrator<P> {
             inverse_constraint_scale: inverse(problem.constraint_scale()),
             monitor: Monitor::with_capacity(options.newton.max_iterations),
             saved: Saved::default(),
+            perturbed: Vec::new(),
+            error: 0.0,
+            inverse_error_scale: inverse(&problem.error_scale()),
             zero: vec![0.0; n.max(m)],
         };
         let statistics = Statistics::default();
@@ -233,6 +241,7 @@ impl<P: Problem> Integrator<P> {
         state.lambda_.clone_from(&start.lambda_);
         state.h = 0.0;
         state.factor.h = 0.0;
+        state.control.forget();
         Ok(start)
     }
 

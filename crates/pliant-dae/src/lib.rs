@@ -22,4 +22,5 @@ mod state;
 pub mod statics;
 pub mod statistics;
 mod step_change;
+pub mod step_control;
 pub mod structure;

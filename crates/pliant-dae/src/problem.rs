@@ -58,6 +58,12 @@ pub trait Problem: Send {
     /// Typical size of an increment of each velocity-level coordinate (a length for positions, 1 for slopes and
     /// rotations), length `velocities`: makes norms of increments dimensionless.
     fn scale(&self) -> &[f64];
+    /// Size of an error of each velocity-level coordinate that counts as much as one of the model's size, for the
+    /// control of steps. By default [`Self::scale`].
+    fn error_scale(&self) -> Vec<f64> {
+        self.scale().to_vec()
+    }
+
     /// Typical size of each constraint's residual, length `multipliers`.
     fn constraint_scale(&self) -> &[f64];
 

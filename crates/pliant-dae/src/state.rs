@@ -2,6 +2,7 @@
 
 use crate::newton::FactorAge;
 use crate::problem::Point;
+use crate::step_control::Controller;
 use serde::{Deserialize, Serialize};
 
 /// What the kept factorisation was made from; a continued run rebuilds it.
@@ -50,6 +51,8 @@ pub struct State {
     pub series_step: f64,
     /// Nominal steps done in the series; times are `series_start + n series_step`, free of accumulated rounding.
     pub series_steps: u64,
+    /// Memory of the step control.
+    pub control: Controller,
     /// The kept factorisation.
     pub factor: FactorPoint,
 }

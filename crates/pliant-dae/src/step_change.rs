@@ -9,7 +9,7 @@
 //! would feed the multipliers' noise back and grow without bound.
 
 use crate::error::Error;
-use crate::initial::{consistent_acceleration, normal_component};
+use crate::initial::{consistent_acceleration, normal_component, normal_components};
 use crate::integrator::Integrator;
 use crate::problem::{Problem, Weights};
 use crate::scaling::weighted_max;
@@ -51,32 +51,81 @@ impl<P: Problem> Integrator<P> {
     }
 
     fn correct(&mut self, h: f64) -> Result<(), Error> {
-        let before = self.state.h;
-        let shift = self.coefficients.shift();
-        let dv = self.normal_velocity_correction(
-            (h * h - before * before) * self.coefficients.error_constant(),
-        )?;
-        if before == 0.0 {
-            let jerk = self.initial_jerk(JERK_SPAN * h)?;
-            self.settle_acceleration(h)?;
-            if self.is_resolved(&jerk, h) {
-                for (a_alg, j) in self.state.a_alg.iter_mut().zip(&jerk) {
-                    *a_alg += shift * h * j;
-                }
-            }
+        if self.state.h == 0.0 {
+            self.correct_start(h)?;
         } else {
-            let state = &mut self.state;
-            let factor = shift * (h - before) / before;
-            for ((a_alg, a), a_previous) in
-                state.a_alg.iter_mut().zip(&state.a).zip(&state.a_previous)
-            {
-                *a_alg += factor * (a - a_previous);
+            self.correct_change(h)?;
+        }
+        self.state.h = h;
+        Ok(())
+    }
+
+    fn correct_start(&mut self, h: f64) -> Result<(), Error> {
+        let shift = self.coefficients.shift();
+        let dv = self.normal_velocity_correction(h * h * self.coefficients.error_constant())?;
+        let jerk = self.initial_jerk(JERK_SPAN * h)?;
+        self.settle_acceleration(h)?;
+        if self.is_resolved(&jerk, h) {
+            for (a_alg, j) in self.state.a_alg.iter_mut().zip(&jerk) {
+                *a_alg += shift * h * j;
             }
         }
         for (v, d) in self.state.v.iter_mut().zip(&dv) {
             *v += d;
         }
-        self.state.h = h;
+        Ok(())
+    }
+
+    /// Along the constraints `a_alg` moves by the difference of accelerations; normal to them all is known from the
+    /// motion itself, and set. So whatever noise the multipliers had is gone.
+    fn correct_change(&mut self, h: f64) -> Result<(), Error> {
+        let state = &mut self.state;
+        let shift = self.coefficients.shift();
+        let factor = shift * (h - state.h) / state.h;
+        for ((a_alg, a), a_previous) in state.a_alg.iter_mut().zip(&state.a).zip(&state.a_previous)
+        {
+            *a_alg += factor * (a - a_previous);
+        }
+        let m = self.problem.multipliers();
+        if m == 0 {
+            return Ok(());
+        }
+        // phi_q j and phi_q a; phi_q v is -phi_t up to what positions on the constraints ask for.
+        let (mut jerk, mut acceleration) = (vec![0.0; m], vec![0.0; m]);
+        self.problem.constraint_jerk(state.point(), &mut jerk);
+        self.problem.constraint_acceleration(state.point(), &mut acceleration);
+        let mut rate = vec![0.0; m];
+        self.problem.constraint_rate(state.t, &state.q, &mut rate);
+        let c = self.coefficients.error_constant();
+        for (rate, jerk) in rate.iter_mut().zip(&jerk) {
+            *rate += c * h * h * jerk;
+        }
+        let mut v = state.v.clone();
+        if !self.problem.is_flat() {
+            let mut bracket = vec![0.0; v.len()];
+            self.problem.commutator(&state.v, &state.a, &mut bracket);
+            for (v, b) in v.iter_mut().zip(&bracket) {
+                *v -= h * h / 12.0 * b;
+            }
+        }
+        let later: Vec<f64> =
+            acceleration.iter().zip(&jerk).map(|(a, j)| a + shift * h * j).collect();
+        // The solver serves the iteration matrix as well: what it held is lost.
+        state.factor.h = 0.0;
+        self.statistics.factorizations += 1;
+        let wrong = normal_components(
+            &mut self.problem,
+            self.solver.as_mut(),
+            state.t,
+            &state.q,
+            [(&v, &rate), (&state.a, &acceleration), (&state.a_alg, &later)],
+        )?;
+        for (right, wrong) in [&mut state.v, &mut state.a, &mut state.a_alg].into_iter().zip(&wrong)
+        {
+            for (right, wrong) in right.iter_mut().zip(wrong) {
+                *right -= wrong;
+            }
+        }
         Ok(())
     }
 

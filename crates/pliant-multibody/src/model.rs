@@ -229,6 +229,35 @@ impl Model {
             .map_err(|source| Error::Solver { t: 0.0, source })
     }
 
+    /// The first time after `t` at which a load has a kink: steps that are free to choose end there.
+    #[must_use]
+    pub fn next_break(&self, t: f64) -> f64 {
+        self.loads.iter().filter_map(|l| l.value.next_break(t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The size that errors of positions are measured against [m].
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        let all = self.scale.iter().copied().fold(0.0, f64::max);
+        if all > 0.0 { all } else { 1.0 }
+    }
+
+    /// Errors that count as much as one of the model's size: of slopes, what moves their elements' ends as far.
+    pub(crate) fn error_scale(&self) -> Vec<f64> {
+        let mut scale = self.scale.clone();
+        let size = self.size();
+        for cable in &self.map.cables {
+            for (e, &length) in cable.lengths.iter().enumerate() {
+                let first = cable.first_node(e);
+                for node in &cable.nodes[first..=first + 1] {
+                    let slope = node.t as usize..node.t as usize + 3;
+                    scale[slope].fill(size / length);
+                }
+            }
+        }
+        scale
+    }
+
     /// Number of elements.
     #[must_use]
     pub fn elements(&self) -> usize {

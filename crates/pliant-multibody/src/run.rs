@@ -12,6 +12,7 @@ use pliant_dae::initial::Consistent;
 use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::problem::EvaluationError;
 use pliant_dae::statistics::Statistics;
+use pliant_dae::step_control::StepControl;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -162,6 +163,19 @@ const LARGEST_DRIFT: f64 = 1e-9;
 fn refused(t: f64, error: &ModelError) -> Error {
     let message = error.to_string();
     Error::Evaluation { t, source: EvaluationError { message, recoverable: false } }
+}
+
+/// Steps whose length the accuracy decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeLeg {
+    /// Time at which they end exactly [s]; infinity: nowhere.
+    pub end: f64,
+    /// Largest number of them.
+    pub steps: u64,
+    /// Accuracy and limits.
+    pub control: StepControl,
+    /// Every so manieth step is recorded, counted from the start; 0: none.
+    pub output_every: u64,
 }
 
 /// `work`, on the threads of a pool where there is one.
@@ -443,10 +457,43 @@ impl Run {
         Ok(leg.steps)
     }
 
+    /// Takes the steps of `leg`, and stops after about `limit` of wall time. Events and kinks of loads are met exactly, too.
+    /// Returns the number taken.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_freely(&mut self, leg: FreeLeg, limit: Duration) -> Result<u64, Error> {
+        let begin = Instant::now();
+        for taken in 0..leg.steps {
+            let t = self.integrator.state().t;
+            if t >= leg.end || taken > 0 && begin.elapsed() >= limit {
+                return Ok(taken);
+            }
+            self.pass_events(t)?;
+            let stop = leg.end.min(self.integrator.problem().model().next_break(t));
+            let stop = self.next_event().map_or(stop, |event| event.min(stop));
+            let Self { integrator, pool, .. } = self;
+            on(pool.as_ref(), || integrator.advance_within(stop, &leg.control))?;
+            self.check_drift()?;
+            self.pass_events(self.state().t)?;
+            self.steps += 1;
+            if leg.output_every > 0 && self.steps.is_multiple_of(leg.output_every) {
+                self.record()?;
+            }
+        }
+        Ok(leg.steps)
+    }
+
     /// What was recorded since the last call.
     pub fn take_records(&mut self) -> Records {
         let history = self.integrator.problem().memory().history.clone();
         Records { history, ..std::mem::take(&mut self.records) }
+    }
+
+    /// The size that errors of positions are measured against [m].
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.integrator.problem().model().size()
     }
 
     /// Steps taken since the start.

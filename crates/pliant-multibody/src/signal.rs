@@ -97,6 +97,19 @@ impl Value {
         }
     }
 
+    /// The first time after `t` at which its slope (of a ramp, its third derivative) may jump.
+    #[must_use]
+    pub fn next_break(&self, t: f64) -> Option<f64> {
+        match self {
+            Self::Constant(_) | Self::Input { .. } => None,
+            Self::Table(table) => table.next_break(t),
+            Self::Ramp(duration) => [0.0, *duration].into_iter().find(|&end| is_after(end, t)),
+            Self::Sum(parts) | Self::Product(parts) => {
+                parts.iter().filter_map(|part| part.next_break(t)).reduce(f64::min)
+            }
+        }
+    }
+
     fn is_constant(&self) -> bool {
         match self {
             Self::Constant(_) => true,
@@ -104,6 +117,11 @@ impl Value {
             Self::Input { .. } | Self::Table(_) | Self::Ramp(_) => false,
         }
     }
+}
+
+/// Whether `later` is after `t` by more than the rounding of times.
+fn is_after(later: f64, t: f64) -> bool {
+    later > t + 1e-12 * t.abs()
 }
 
 /// Interpolation between rows of a table.
@@ -159,6 +177,29 @@ impl Table {
             };
         }
         Ok(table)
+    }
+
+    /// Of a linear table the next of its times; a smooth one bends at its ends only, and not where it repeats.
+    fn next_break(&self, t: f64) -> Option<f64> {
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let smooth = !self.second.is_empty();
+        let Some(period) = self.period else {
+            return if smooth {
+                [first, last].into_iter().find(|&end| is_after(end, t))
+            } else {
+                self.times.iter().copied().find(|&time| is_after(time, t))
+            };
+        };
+        if smooth {
+            return None;
+        }
+        let turns = ((t - first) / period).floor();
+        (0..2)
+            .flat_map(|more| {
+                let shift = (turns + f64::from(more)) * period;
+                self.times.iter().map(move |time| time + shift)
+            })
+            .find(|&time| is_after(time, t))
     }
 
     fn at(&self, t: f64) -> [f64; 3] {
@@ -268,6 +309,32 @@ mod tests {
             smooth: false,
         };
         assert_eq!([0.0, 2.0, 9.0].map(|t| at(&table, t)), [2.0, 4.0, 6.0]);
+    }
+
+    #[test]
+    fn breaks_are_where_slopes_jump() {
+        let table = |period, smooth| Signal::Table {
+            times: vec![1.0, 2.0, 4.0],
+            values: vec![0.0, 1.0, 0.0],
+            period,
+            smooth,
+        };
+        let breaks = |signal: &Signal, mut t: f64| {
+            let value = Value::new(signal, "test").unwrap();
+            let mut found = Vec::new();
+            while let Some(next) = value.next_break(t).filter(|_| found.len() < 5) {
+                found.push(next);
+                t = next;
+            }
+            found
+        };
+        assert_eq!(breaks(&table(None, false), 0.0), [1.0, 2.0, 4.0]);
+        assert_eq!(breaks(&table(None, true), 0.0), [1.0, 4.0]);
+        // 4.0 is 1.0 of the next turn; the row that closes the period is one, too.
+        assert_eq!(breaks(&table(Some(5.0), false), 2.0), [4.0, 6.0, 7.0, 9.0, 11.0]);
+        assert!(breaks(&table(Some(3.0), true), 0.0).is_empty());
+        let both = Signal::Product(vec![Signal::Ramp { duration: 1.5 }, table(None, false)]);
+        assert_eq!(breaks(&both, 0.0), [1.0, 1.5, 2.0, 4.0]);
     }
 
     #[test]

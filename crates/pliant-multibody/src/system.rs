@@ -466,6 +466,10 @@ impl Problem for System {
         &self.model.scale
     }
 
+    fn error_scale(&self) -> Vec<f64> {
+        self.model.error_scale()
+    }
+
     fn constraint_scale(&self) -> &[f64] {
         &self.model.constraint_scale
     }

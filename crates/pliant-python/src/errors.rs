@@ -41,6 +41,12 @@ fn details<'py>(py: Python<'py>, error: &Error) -> PyResult<Bound<'py, PyDict>> 
             dict.set_item("residuals", failure.increments.clone())?;
             dict.set_item("unknown", &failure.name)?;
         }
+        Error::Accuracy(what) => {
+            dict.set_item("time", what.t)?;
+            dict.set_item("step", what.h)?;
+            dict.set_item("error_estimate", what.estimate)?;
+            dict.set_item("unknown", &what.name)?;
+        }
         Error::Singular { t, name, .. } | Error::Unstable { t, name, .. } => {
             dict.set_item("time", t)?;
             dict.set_item("unknown", name)?;

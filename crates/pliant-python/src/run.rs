@@ -3,9 +3,10 @@
 use crate::arrays::table;
 use crate::errors::{model_error, solve_error};
 use numpy::{PyArray1, PyArray2};
+use pliant_dae::step_control::StepControl;
 use pliant_multibody::checkpoint::Saved;
 use pliant_multibody::latches::Switch;
-use pliant_multibody::run::{Leg, Records, Run};
+use pliant_multibody::run::{FreeLeg, Leg, Records, Run};
 use pliant_multibody::system::Inputs;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -153,6 +154,28 @@ impl PyIntegrator {
         let run = self.run();
         let outcome = py.detach(|| run.switch(joint, engage, gap));
         outcome.map_err(|error| raise(py, &self.failure, &error))
+    }
+
+    #[pyo3(signature = (end, *, rtol, atol, max_step, steps = u64::MAX, output_every = 0, seconds = 0.1))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn advance_freely(
+        &mut self,
+        py: Python<'_>,
+        end: f64,
+        rtol: f64,
+        atol: f64,
+        max_step: f64,
+        steps: u64,
+        output_every: u64,
+        seconds: f64,
+    ) -> PyResult<u64> {
+        let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        let run = self.run();
+        let tolerance = rtol + atol / run.size();
+        let control = StepControl { tolerance, max_step, first_step: None };
+        let leg = FreeLeg { end, steps, control, output_every };
+        let taken = py.detach(|| run.advance_freely(leg, limit));
+        taken.map_err(|error| raise(py, &self.failure, &error))
     }
 
     fn set_inputs(&mut self, py: Python<'_>, first: usize, values: Vec<f64>) -> PyResult<()> {
