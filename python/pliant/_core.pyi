@@ -173,8 +173,8 @@ class Integrator:
         output_every: int = 0,
         seconds: float = 0.1,
     ) -> int:
-        """Takes steps as long as the local error allows, ``rtol`` times the model's size plus ``atol`` [m], none
-        past the time ``end`` or a kink of a load; otherwise as ``advance``."""
+        """Takes steps as long as the local error allows, ``rtol`` times the model's size plus ``atol`` [m],
+        none past the time ``end`` or a kink of a load; otherwise as ``advance``."""
     def set_inputs(self, first: int, values: Sequence[float]) -> None:
         """Sets inputs from number ``first`` on: they hold at the end of the next step."""
     def save(self) -> bytes:

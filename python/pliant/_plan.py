@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
+from pliant._steps import Steps
 from pliant.errors import FileError
 from pliant.typing import Json
 
@@ -21,11 +22,15 @@ if TYPE_CHECKING:
 __all__ = ["Leg", "Plan"]
 
 SECONDS = 60.0  # between checkpoints
+THOUSAND = 1000
 
 
 @dataclass(frozen=True)
 class Leg:
-    """Equal steps up to step number ``last``, which ends at the time ``end`` and is kept or not."""
+    """Equal steps up to step number ``last``, which ends at the time ``end`` and is kept or not.
+
+    Where the accuracy decides on the steps, their number is not known: ``last`` and ``step`` are zero.
+    """
 
     last: int
     step: float
@@ -48,24 +53,27 @@ class Plan:
     @classmethod
     def checked(
         cls,
-        duration: object,
-        step: object,
+        length: float,
+        steps: Steps,
         output_every: object,
         output_times: object,
         checkpoint: object,
         has_on_step: bool,
     ) -> Plan:
         """Make a plan of the arguments of ``simulate``."""
-        length = _check.number(duration, "duration", above=0)
-        size = _check.number(step, "step", above=0)
-        if length / size > _check.LARGEST_COUNT:
+        size = steps.step
+        if size is not None and length / size > _check.LARGEST_COUNT:
             least = length / _check.LARGEST_COUNT
-            _check.fail("step", step, f"must be at least {least:g} s: at most 1e8 steps")
+            _check.fail("step", size, f"must be at least {least:g} s: at most 1e8 steps")
         every = _check.count(output_every, "output_every")
         path, seconds = _checked_checkpoint(checkpoint)
         if output_times is None:
-            steps = _steps(length, size)
-            return cls([Leg(steps, length / steps)], every, True, has_on_step, path, seconds)
+            if size is None:
+                whole = Leg(0, 0.0, length)
+            else:
+                count = _steps(length, size)
+                whole = Leg(count, length / count)
+            return cls([whole], every, True, has_on_step, path, seconds)
         if every != 1:
             _check.fail("output_every", every, "cannot go with output_times")
         times = _check.array(output_times, "output_times", (None,))
@@ -75,12 +83,38 @@ class Plan:
         kept = [True] * len(ends)
         if not ends or ends[-1] < length:
             ends, kept = [*ends, length], [*kept, False]
-        return cls(_legs(ends, kept, size), 0, bool(times[0] == 0.0), has_on_step, path, seconds)
+        if size is None:
+            legs = [Leg(0, 0.0, end, keep) for end, keep in zip(ends, kept, strict=True)]
+        else:
+            legs = _legs(ends, kept, size)
+        return cls(legs, 0, bool(times[0] == 0.0), has_on_step, path, seconds)
 
     @property
-    def steps(self) -> int:
-        """Number of all steps."""
-        return self.legs[-1].last
+    def ticks(self) -> int:
+        """Length of the progress bar: all steps, or thousandths of the time."""
+        return self.legs[-1].last or THOUSAND
+
+    def tick(self, stepper: Stepper) -> int:
+        """How far the run has come on the progress bar."""
+        last = self.legs[-1]
+        if last.last or last.end is None:
+            return stepper._steps
+        return int(THOUSAND * stepper.time / last.end)
+
+    @staticmethod
+    def is_done(stepper: Stepper, leg: Leg) -> bool:
+        """Whether a leg lies behind."""
+        if leg.last or leg.end is None:
+            return stepper._steps >= leg.last
+        return stepper.time >= leg.end
+
+    def take(self, stepper: Stepper, leg: Leg, single: bool) -> None:
+        """Take some steps of a leg, or a single one."""
+        if leg.last or leg.end is None:
+            left = leg.last - stepper._steps
+            stepper._take(1 if single else left, leg.step, self.output_every, leg.end, left)
+        else:
+            stepper._take_freely(leg.end, 1 if single else None, self.output_every)
 
     def reach(self, stepper: Stepper, leg: Leg) -> None:
         """Keep the end of a leg."""

@@ -41,6 +41,8 @@ class ConvergenceError(RuntimeError):
         Its size [s].
     residuals : list of float
         Residual norms of its iterations.
+    error_estimate : float or None
+        With ``step="auto"``: local error of the smallest step tried, in units of the tolerance.
     body : str or None
         Name of the worst body.
     node : int or None
@@ -56,6 +58,7 @@ class ConvergenceError(RuntimeError):
         time: float = float("nan"),
         step: float = float("nan"),
         residuals: Sequence[float] = (),
+        error_estimate: float | None = None,
         body: str | None = None,
         node: int | None = None,
         result: Result | None = None,
@@ -64,6 +67,7 @@ class ConvergenceError(RuntimeError):
         self.time = time
         self.step = step
         self.residuals = list(residuals)
+        self.error_estimate = error_estimate
         self.body = body
         self.node = node
         self.result = result
@@ -80,6 +84,7 @@ class ConvergenceError(RuntimeError):
             time=float(facts.get("time", float("nan"))),
             step=float(facts.get("step", float("nan"))),
             residuals=[float(x) for x in facts.get("residuals", ())],
+            error_estimate=facts.get("error_estimate"),
             body=body.group(1) if body else None,
             node=int(node.group(1)) if node else None,
         )

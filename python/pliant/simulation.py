@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
 from dataclasses import dataclass
 from threading import Event
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from pliant._running import (
     start_vectors,
     thread_count,
 )
+from pliant._steps import Steps
 from pliant.checkpoints import read
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
@@ -44,7 +45,10 @@ def simulate(
     model: Model,
     *,
     duration: float,
-    step: float,
+    step: float | Literal["auto"],
+    rtol: float | None = None,
+    atol: float | None = None,
+    max_step: float | None = None,
     start: Result | State | None = None,
     spectral_radius: float | None = None,
     output_every: int = 1,
@@ -63,9 +67,16 @@ def simulate(
         The model; it is not changed.
     duration : float
         Time to simulate [s].
-    step : float
+    step : float or "auto"
         Step [s]. Where ``duration`` is not a whole number of steps, the step is made a little smaller so that
-        it is.
+        it is. ``"auto"``: as long as the local error allows; kinks of loads (rows of a Table that is not
+        smooth, ends of a Ramp) and ``output_times`` are met exactly.
+    rtol, atol : float, optional
+        For ``step="auto"``: largest error of any position in one step, ``rtol`` times the size of the model
+        (1e-6 by default) plus ``atol`` [m] (0 by default); errors at the end fall with the power 2/3 of it.
+    max_step : float, optional
+        For ``step="auto"``: longest step [s], by default a twentieth of the duration. Callables of time that
+        act briefly are seen only where a step ends inside.
     start : Result or State, optional
         The run begins at the last state of a result, or at ``result.state(i)``, at time 0. Bodies must be the
         same, loads and joints may differ. A static result gives the positions; the velocities are those of
@@ -105,12 +116,15 @@ def simulate(
     -4.905
     """
     model = require_model(model)
-    plan = Plan.checked(duration, step, output_every, output_times, checkpoint, on_step is not None)
+    duration = _check.number(duration, "duration", above=0)
+    steps = Steps.checked(step, rtol, atol, max_step, duration)
+    plan = Plan.checked(duration, steps, output_every, output_times, checkpoint, on_step is not None)
     _check_on_step(on_step)
     progress = None if progress is None else _check.flag(progress, "progress")
     stepper = _begin(
         model,
         plan,
+        steps,
         start=start,
         spectral_radius=spectral_radius,
         tolerance=tolerance,
@@ -133,19 +147,22 @@ def _drive(
 ) -> Result:
     """Take the steps of the plan that are left."""
     try:
-        with progress_bar(progress, plan.steps) as report:
-            report(stepper._steps)
+        with progress_bar(progress, plan.ticks) as report:
+            before = 0
             for leg in plan.legs:
-                while (left := leg.last - stepper._steps) > 0:
+                while not plan.is_done(stepper, leg):
                     if stop is not None and stop.is_set():
                         raise KeyboardInterrupt
                     if on_step is not None and on_step(stepper) is True:
                         plan.finish(stepper)
                         return stepper.result
-                    report(stepper._take(1 if on_step else left, leg.step, plan.output_every, leg.end, left))
-                    if left == 1 or stepper._steps == leg.last:
+                    plan.take(stepper, leg, single=on_step is not None)
+                    if plan.is_done(stepper, leg):
                         plan.reach(stepper, leg)
                     plan.save(stepper)
+                    now = plan.tick(stepper)
+                    report(now - before)
+                    before = now
         plan.finish(stepper)
     except (KeyboardInterrupt, ConvergenceError, ModelError) as error:
         error.result = stepper.result  # type: ignore[union-attr]
@@ -289,17 +306,31 @@ def _simulate_one(
     stop: Event,
     *,
     duration: float,
-    step: float,
+    step: float | Literal["auto"],
+    rtol: float | None = None,
+    atol: float | None = None,
+    max_step: float | None = None,
     output_every: int = 1,
     output_times: ArrayLike | None = None,
     **options: Any,
 ) -> Result:
-    plan = Plan.checked(duration, step, output_every, output_times, None, False)
-    return _drive(_begin(model, plan, **{**options, "threads": 1}), plan, None, False, stop)
+    duration = _check.number(duration, "duration", above=0)
+    steps = Steps.checked(step, rtol, atol, max_step, duration)
+    plan = Plan.checked(duration, steps, output_every, output_times, None, False)
+    return _drive(_begin(model, plan, steps, **{**options, "threads": 1}), plan, None, False, stop)
 
 
-def _begin(model: Model, plan: Plan, **options: Any) -> Stepper:
-    stepper = Stepper(model, step=plan.legs[0].step, **options)
+def _begin(model: Model, plan: Plan, steps: Steps, **options: Any) -> Stepper:
+    if steps.step is None:
+        how: dict[str, Any] = {
+            "step": "auto",
+            "rtol": steps.rtol,
+            "atol": steps.atol,
+            "max_step": steps.max_step,
+        }
+    else:
+        how = {"step": plan.legs[0].step}
+    stepper = Stepper(model, **how, **options)
     if not plan.keeps_start:
         stepper._forget()
     return stepper

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar, cast
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from pliant._running import (
     thread_count,
     warn_of_projection,
 )
+from pliant._steps import Steps
 from pliant.checkpoints import Checkpoint, read, write
 from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.latches import checked_gap
@@ -49,8 +51,9 @@ class Stepper:
     ----------
     model : Model
         The model; it is not changed.
-    step : float
-        Step [s].
+    step : float or "auto"
+        Step [s]; ``"auto"``: as long as the local error allows, within ``rtol``, ``atol`` and ``max_step`` as
+        in :func:`pliant.simulate` (``max_step`` is unbounded here unless given).
     start : Result or State, optional
         The run begins there, at time 0, as in :func:`pliant.simulate`.
     record_every : int, optional
@@ -82,7 +85,10 @@ class Stepper:
         self,
         model: Model,
         *,
-        step: float,
+        step: float | Literal["auto"],
+        rtol: float | None = None,
+        atol: float | None = None,
+        max_step: float | None = None,
         start: Result | State | None = None,
         record_every: int | None = None,
         spectral_radius: float | None = None,
@@ -91,7 +97,7 @@ class Stepper:
     ) -> None:
         model = require_model(model)
         options: dict[str, Any] = {
-            "step": _check.number(step, "step", above=0),
+            "steps": Steps.checked(step, rtol, atol, max_step).document(),
             "record_every": 0 if record_every is None else _check.count(record_every, "record_every"),
             "spectral_radius": 0.8
             if spectral_radius is None
@@ -130,7 +136,7 @@ class Stepper:
         self._lowered = lowered
         self._system = system
         self._options = options
-        self._step: float = options["step"]
+        self._lengths = Steps.read(options["steps"])
         self._record_every: int = options["record_every"]
         self._inputs = CallableInputs(lowered)
         self._chunks: list[Records] = []
@@ -155,7 +161,7 @@ class Stepper:
         """Time reached [s]."""
         return self._integrator.time
 
-    def advance(self, steps: int = 1) -> None:
+    def advance(self, steps: int = 1, *, until: float | None = None) -> None:
         """Take steps.
 
         Parameters
@@ -163,11 +169,45 @@ class Stepper:
         steps : int
             Their number. On failure or Ctrl-C the exception's ``result`` holds what was recorded, and the
             stepper stays at the last step that it reached.
+        until : float, optional
+            Instead of their number the time that the last one ends at exactly [s]; fixed steps are made a
+            little smaller so that a whole number of them fits.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> ball = model.add_point_mass(1.0, at=(0, 0, 0))
+        >>> stepper = pl.Stepper(model, step="auto", rtol=1e-8)
+        >>> stepper.advance(until=0.5)
+        >>> print(f"{stepper.time} s: {stepper.position(ball.center)[2]:.4f} m")
+        0.5 s: -1.2263 m
         """
+        if until is not None:
+            self._advance_until(steps, _check.number(until, "until", at_least=self.time))
+            return
         if steps != 1 or steps is True:
             steps = _check.count(steps, "steps")
+        step = self._lengths.step
         while steps > 0:
-            steps -= self._take(steps, self._step, self._record_every)
+            if step is None:
+                steps -= self._take_freely(math.inf, steps, self._record_every)
+            else:
+                steps -= self._take(steps, step, self._record_every)
+
+    def _advance_until(self, steps: int, end: float) -> None:
+        if steps != 1:
+            _check.fail("steps", steps, "cannot go with until")
+        length = self._lengths.step
+        if length is None:
+            while self.time < end:
+                self._take_freely(end, None, self._record_every)
+        elif end > self.time:
+            rest = end - self.time
+            left = max(1, math.ceil(rest / length * (1 - 1e-9)))
+            step = rest / left
+            while left > 0:
+                left -= self._take(left, step, self._record_every, end, left)
 
     def set_input(self, name: str, value: ArrayLike) -> None:
         """Set a :class:`pliant.Input`; over the next step it goes from what it was to this value.
@@ -370,6 +410,23 @@ class Stepper:
         self._present = None
         try:
             return self._integrator.advance(steps, step, every, end=end if steps == left else None)
+        except BaseException as error:
+            self._fail(error)
+
+    def _take_freely(self, end: float, steps: int | None, every: int) -> int:
+        """Take steps as long as the accuracy allows, up to the time ``end``, for a tenth of a second."""
+        self._present = None
+        lengths = self._lengths
+        limit = {} if steps is None else {"steps": steps}
+        try:
+            return self._integrator.advance_freely(
+                end,
+                rtol=lengths.rtol,
+                atol=lengths.atol,
+                max_step=lengths.max_step,
+                output_every=every,
+                **limit,
+            )
         except BaseException as error:
             self._fail(error)
 

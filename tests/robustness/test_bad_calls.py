@@ -241,6 +241,17 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     # runs
     ("model", "3", lambda s: pl.simulate(3, duration=1.0, step=0.1)),
     ("model", "no bodies", lambda s: pl.simulate(pl.Model(), duration=1.0, step=0.1)),
+    ("step", "'fast'", lambda s: run(s, step="fast")),
+    ("rtol", "0.001", lambda s: run(s, rtol=1e-3)),
+    ("rtol", "0", lambda s: run(s, step="auto", rtol=0)),
+    ("rtol", "1e-15", lambda s: run(s, step="auto", rtol=1e-15)),
+    ("rtol", "2", lambda s: run(s, step="auto", rtol=2)),
+    ("atol", "-1", lambda s: run(s, step="auto", atol=-1)),
+    ("atol", "nan", lambda s: run(s, step="auto", atol=NAN)),
+    ("max_step", "0", lambda s: run(s, step="auto", max_step=0)),
+    ("max_step", "1", lambda s: run(s, max_step=1)),
+    ("until", "-1", lambda s: pl.Stepper(s.m, step="auto").advance(until=-1)),
+    ("steps", "5", lambda s: pl.Stepper(s.m, step="auto").advance(5, until=1)),
     # rigid bodies
     ("size", "(1, 1)", lambda s: pl.Box(size=(1, 1))),
     ("size[1]", "0", lambda s: pl.Box(size=(1, 0, 1))),

@@ -138,6 +138,18 @@ pub enum Error {
         .0.t, .0.h, .0.estimate, .0.name
     )]
     Accuracy(Box<Accuracy>),
+    /// The path of equilibria does not lead to the load.
+    #[error(
+        "the path of equilibria has not come to load factor {to} after {points} points; it is at {t}"
+    )]
+    PathEnded {
+        /// Load factor of the last point.
+        t: f64,
+        /// Number of points.
+        points: usize,
+        /// Load factor asked for.
+        to: f64,
+    },
     /// A force, constraint or increment is not finite.
     #[error("not finite at t = {} with a step of {}: {}", .0.t, .0.h, .0.name)]
     NotFinite(Box<Failure>),

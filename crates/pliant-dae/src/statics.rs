@@ -10,6 +10,7 @@
 //! there, in implicit steps that grow as it settles (pseudo-transient continuation, Kelley & Keyes 1998).
 
 mod descent;
+pub mod path;
 mod stability;
 
 use crate::error::{Error, Failure, check_length};

@@ -153,7 +153,8 @@ impl<P: Problem> Integrator<P> {
         let (h, left) = if stop.is_finite() {
             let rest = stop - state.t;
             let slack = if serves { 1e-9 } else { SLACK - 1.0 };
-            let steps = (rest / preferred * (1.0 - slack)).ceil().max(1.0);
+            let least = rest / control.max_step * (1.0 - 1e-12);
+            let steps = (rest / preferred * (1.0 - slack)).max(least).ceil().max(1.0);
             (rest / steps, steps as u64)
         } else {
             (preferred, u64::MAX)
