@@ -19,12 +19,14 @@ from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.materials import LinearElastic, SaintVenantKirchhoff, youngs_modulus_from_shore_a
 from pliant.model import Model
+from pliant.modes import Modes, solve_modes
 from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass, RigidBody
 from pliant.result import Result
 from pliant.sections import Circle, Rectangle, Section, Tube
 from pliant.shapes import Box, Capsule, Cylinder, Sphere
 from pliant.signals import Input, Ramp, Table
-from pliant.simulation import Modes, resume, simulate, simulate_many, solve_modes, solve_static
+from pliant.simulation import resume, simulate, simulate_many
+from pliant.statics import solve_static
 from pliant.stepper import Stepper
 
 if TYPE_CHECKING:

@@ -86,14 +86,35 @@ class System:
         load_steps: int = 1,
         tolerance: float | None = None,
         stable: bool = True,
+        arc_length: bool = False,
+        growing: tuple[bool, list[int]] | None = None,
+        fade: bool = False,
         q: FloatArray | None = None,
+        lambda_: FloatArray | None = None,
         inputs: Callable[[float], FloatArray] | None = None,
         poll: Callable[[float], None] | None = None,
     ) -> Records:
         """Equilibria at the load factors reached, the last at 1. ``poll(load_factor)`` may raise to stop.
 
-        Beside the records, ``unstable`` holds the load factors at which the equilibrium is unstable.
+        ``growing``: whether gravity grows with the load factor and the numbers of the loads that do
+        (default: everything); ``fade``: what is out of balance at the start fades. Beside the records,
+        ``unstable`` holds the load factors at which the equilibrium is unstable, and ``critical`` the
+        critical points of a path: number of the record, whether it is a bifurcation, shape.
         """
+    def is_conservative(self) -> bool:
+        """Whether there is neither damping nor a force without potential."""
+    def linear(
+        self,
+        *,
+        q: FloatArray | None = None,
+        lambda_: FloatArray | None = None,
+        t: float = 0.0,
+        load_factor: bool = False,
+        growing: tuple[bool, list[int]] | None = None,
+        inputs: Callable[[float], FloatArray] | None = None,
+    ) -> dict[str, Any]:
+        """Small motions about a state: entries of ``mass``, ``damping``, ``stiffness`` and ``jacobian`` (with
+        its transpose) at ``rows`` and ``columns``, to be summed; multipliers come after all coordinates."""
     def solve_modes(
         self,
         count: int,
@@ -102,6 +123,7 @@ class System:
         lambda_: FloatArray | None = None,
         t: float = 0.0,
         load_factor: bool = False,
+        growing: tuple[bool, list[int]] | None = None,
         inputs: Callable[[float], FloatArray] | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Squares of angular frequencies (count,) ascending [1/s^2], shapes (count, nv), mass-normalised."""

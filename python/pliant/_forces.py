@@ -81,7 +81,9 @@ class Forces(Lookup):
         """Force of a pin that shares coordinates: what its first side needs beyond what else acts there."""
         records = self._records
         factor = self.time if self.is_static else np.ones_like(self.time)
-        gravity = self.model.gravity * factor[:, None]
+        full = np.ones_like(self.time)
+        grows = self._lowered.grows
+        gravity = self.model.gravity * (factor if grows is None or "gravity" in grows else full)[:, None]
         total = np.zeros((len(self.time), 3))
         inner = [(name, int(node)) for name, node in plan["nodes"]]
         for name, node in inner:
@@ -105,9 +107,10 @@ class Forces(Lookup):
                     first, shape = self._body(name).shape(load.at.element, load.at.xi)
                     weight += float(shape[0] if first == node else shape[2] if first + 1 == node else 0.0)
             if weight != 0.0 and not isinstance(load, ForceData):
+                grown = factor if grows is None or load.name in grows else full
                 values = [
                     scaled(load.value, float(t), float(f), self._held(i))
-                    for i, (t, f) in enumerate(zip(self.time, factor, strict=True))
+                    for i, (t, f) in enumerate(zip(self.time, grown, strict=True))
                 ]
                 total -= weight * np.array(values)
         if self.is_static:

@@ -12,7 +12,7 @@ from pliant._lowered import Lowered
 from pliant.bodies import LineBody
 from pliant.errors import translated
 from pliant.points import Handle, Joint, Point, WorldPoint, require_handle
-from pliant.readings import Statistics
+from pliant.readings import CriticalPoint, Statistics
 from pliant.records import Records
 from pliant.rigid import RigidBodyData
 from pliant.typing import FloatArray, IntArray, Json
@@ -44,6 +44,7 @@ class Lookup:
         self._records = records
         self._lowered = lowered
         self._built = system
+        self.critical_points: tuple[CriticalPoint, ...] = ()
         self._known_offsets: dict[str, IntArray] = {}
 
     @property

@@ -57,6 +57,8 @@ class Lowered:
         Number of the cable of each line body; of the shared point of each free mass; of each rigid body.
     forces : dict
         Number of the core's force of each spring.
+    grows : list of str or None
+        What the load factor of a static run acted on: loads, "gravity"; None: everything.
     plan : dict
         How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}``
         with what acts on the first body's side, or ``{"kind": "redundant"}``.
@@ -73,6 +75,7 @@ class Lowered:
     plan: dict[str, Json] = field(default_factory=dict)
     coordinates: int = 0
     multipliers: int = 0
+    grows: list[str] | None = None
 
     @property
     def spec(self) -> str:

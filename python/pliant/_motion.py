@@ -97,9 +97,9 @@ class Motion(Lookup):
                 for column in (0, 1)
             ]
             bodies[name] = BodyState(*rows)
-        return State(
-            self.model, bodies, self.is_static, float(self.time[i]), records.q[i], records.lambda_[i]
-        )
+        grows = None if self._lowered.grows is None else tuple(self._lowered.grows)
+        at = float(self.time[i])
+        return State(self.model, bodies, self.is_static, at, records.q[i], records.lambda_[i], grows=grows)
 
     @property
     def energy(self) -> Energy:

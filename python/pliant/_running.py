@@ -29,6 +29,7 @@ __all__ = [
     "as_records",
     "as_statistics",
     "build",
+    "multipliers",
     "name_node",
     "progress_bar",
     "require_model",
@@ -100,6 +101,13 @@ def start_vectors(
             index = offsets[:, [column]] + np.arange(3)
             q[index], v[index] = place, speed
     return q, v
+
+
+def multipliers(state: State | None, system: System, q: FloatArray | None) -> FloatArray | None:
+    """Multipliers of the state where they are those of the system, else None."""
+    if state is None or q is None or len(q) != len(state.q) or len(state.lambda_) != system.multipliers:
+        return None
+    return state.lambda_
 
 
 class CallableInputs:

@@ -13,7 +13,16 @@ from pliant.typing import FloatArray
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Energy", "JointMotion", "Reaction", "SpringForce", "Statistics", "Strain", "Track"]
+__all__ = [
+    "CriticalPoint",
+    "Energy",
+    "JointMotion",
+    "Reaction",
+    "SpringForce",
+    "Statistics",
+    "Strain",
+    "Track",
+]
 
 
 @dataclass(frozen=True)
@@ -39,6 +48,28 @@ class Track:
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_matrix(np.swapaxes(self.axes, -1, -2))
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPoint:
+    """A point of a static path where the stiffness is singular.
+
+    Attributes
+    ----------
+    kind : {"limit", "bifurcation"}
+        Whether the load stops rising or falling there, or another branch crosses.
+    index : int
+        Number of its output.
+    load_factor : float
+        Its load factor.
+    shape : ndarray, shape (coordinates,)
+        The motion that costs no force, in the coordinates of the model, mass-normalised.
+    """
+
+    kind: str
+    index: int
+    load_factor: float
+    shape: FloatArray
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,10 @@ class Records:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """State of the bodies at one time: a start for another run; ``saved`` is what a stepper goes back by."""
+    """State of the bodies at one time: a start for another run.
+
+    ``saved`` is what a stepper goes back by, ``grows`` what the load factor of a static state acted on.
+    """
 
     model: Model
     bodies: Mapping[str, BodyState]
@@ -46,11 +49,12 @@ class State:
     q: FloatArray
     lambda_: FloatArray
     saved: bytes | None = None
+    grows: tuple[str, ...] | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Callables of the model cannot be pickled, and a state needs only the bodies.
         document = self.model.to_document(keep_functions=False)
-        rest = (dict(self.bodies), self.static, self.time, self.q, self.lambda_, self.saved)
+        rest = (dict(self.bodies), self.static, self.time, self.q, self.lambda_, self.saved, self.grows)
         return _restored_state, (document, *rest)
 
 

@@ -32,6 +32,9 @@ class Result(Motion, Forces):
         The model that was run.
     statistics : Statistics
         Steps, iterations, seconds.
+    critical_points : tuple of CriticalPoint
+        Of a static path: limit points and bifurcations, with ``kind``, ``index``, ``load_factor`` and
+        ``shape``.
     """
 
     def __repr__(self) -> str:

@@ -1,42 +1,31 @@
-"""Running models: dynamics, statics and modes."""
+"""Running models."""
 
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
-from dataclasses import dataclass
 from threading import Event
 from typing import Any, Literal
-
-import numpy as np
 
 from pliant import _check
 from pliant._plan import Plan
 from pliant._running import (
-    CallableInputs,
-    as_records,
-    build,
-    name_node,
     progress_bar,
     require_model,
-    start_vectors,
     thread_count,
 )
 from pliant._steps import Steps
 from pliant.checkpoints import read
-from pliant.errors import ConvergenceError, ModelError, translated
+from pliant.errors import ConvergenceError, ModelError
 from pliant.model import Model
-from pliant.points import Handle
-from pliant.readings import Statistics
-from pliant.records import Records, State
-from pliant.result import Result, require_state
+from pliant.records import State
+from pliant.result import Result
 from pliant.stepper import Stepper
-from pliant.typing import ArrayLike, FloatArray
+from pliant.typing import ArrayLike
 
-__all__ = ["Modes", "resume", "simulate", "simulate_many", "solve_modes", "solve_static"]
+__all__ = ["resume", "simulate", "simulate_many"]
 
 PathLike = str | os.PathLike[str]
 
@@ -334,204 +323,3 @@ def _begin(model: Model, plan: Plan, steps: Steps, **options: Any) -> Stepper:
     if not plan.keeps_start:
         stepper._forget()
     return stepper
-
-
-def solve_static(
-    model: Model,
-    *,
-    start: Result | State | None = None,
-    load_steps: int = 1,
-    tolerance: float | None = None,
-    stable: bool = True,
-    progress: bool | None = None,
-) -> Result:
-    """Find the equilibrium of a model under its loads.
-
-    Parameters
-    ----------
-    model : Model
-        The model; it is not changed.
-    start : Result or State, optional
-        Where the search begins; bodies must be the same.
-    load_steps : int
-        Constants, gravity included, grow in so many steps; callables and Tables are evaluated at the load
-        factor. Steps are cut when they fail.
-    tolerance : float, optional
-        Newton's tolerance, relative to the size of the model.
-    stable : bool
-        Leave unstable equilibria (a rope straight under compression, a strut above its critical load) for
-        stable ones. False keeps whatever equilibrium comes first, with a warning where it is unstable. Under
-        loads that follow the motion stability is not tested.
-    progress : bool, optional
-        Show a progress bar; by default on a terminal.
-
-    Returns
-    -------
-    Result
-        Equilibria at the load factors ``result.load_factor``; the last is full load. Where there is none,
-        ``ConvergenceError.result`` holds those reached before.
-
-    Examples
-    --------
-    >>> import pliant as pl
-    >>> model = pl.Model()
-    >>> steel = pl.LinearElastic(youngs_modulus=2e11, poisson_ratio=0.3, density=7850.0)
-    >>> thick = pl.Circle(radius=1e-2)
-    >>> bar = model.add_cable([(0, 0, 0), (0, 0, -1)], elements=1, section=thick, material=steel)
-    >>> pin, load = model.clamp(bar.start), model.add_force(bar.end, (0, 0, -1e4))
-    >>> result = pl.solve_static(model)
-    >>> print(f"{result.axial_force(bar)[-1, 0]:.0f}")
-    10000
-    """
-    model = require_model(model)
-    load_steps = _check.count(load_steps, "load_steps")
-    tolerance = None if tolerance is None else _check.number(tolerance, "tolerance", above=0, below=1)
-    stable = _check.flag(stable, "stable")
-    progress = None if progress is None else _check.flag(progress, "progress")
-    state = None if start is None else require_state(start, "start", model)
-    model = model.copy()
-    lowered, system = build(model, state)
-    q, _ = start_vectors(lowered, system, state, model)
-    inputs = CallableInputs(lowered, lowered.held_values)
-    reached = 0.0
-
-    def collect(raw: Any) -> Result:
-        records = as_records({key: value for key, value in raw.items() if key != "unstable"})
-        return Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
-
-    with progress_bar(progress, 100) as report, inputs.guarded():
-
-        def poll(factor: float) -> None:
-            nonlocal reached
-            report(round(100 * factor) - round(100 * reached))
-            reached = factor
-
-        try:
-            with translated():
-                raw: Any = system.solve_static(
-                    load_steps=load_steps,
-                    tolerance=tolerance,
-                    stable=stable,
-                    q=q,
-                    inputs=inputs.callback,
-                    poll=poll,
-                )
-        except (ConvergenceError, ModelError) as error:
-            name_node(error, model)
-            if error.records is not None and len(error.records["time"]):
-                error.result = collect(error.records)
-            raise
-    if len(raw["unstable"]):
-        factors = ", ".join(f"{factor:g}" for factor in raw["unstable"])
-        warnings.warn(f"the equilibrium is unstable at load factor {factors}", stacklevel=2)
-    return collect(raw)
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """Modes of free vibration.
-
-    Attributes
-    ----------
-    frequencies : ndarray, shape (count,)
-        Frequencies [Hz], ascending (0 for motions that nothing restores).
-    eigenvalues : ndarray of complex, shape (count,)
-        Eigenvalues [1/s]: i times the angular frequency, real and positive where the state is unstable.
-    shapes : ndarray, shape (count, coordinates)
-        Shapes in the coordinates of the model, mass-normalised; :meth:`positions` gives them by body.
-    stable : bool
-        Whether no motion grows.
-    """
-
-    frequencies: FloatArray
-    eigenvalues: Any
-    shapes: FloatArray
-    stable: bool
-    _result: Result
-
-    def positions(self, body: Handle | str) -> FloatArray:
-        """Shapes as displacements of the nodes of a body, (count, nodes, 3)."""
-        return self._result._nodes(body, self.shapes)
-
-
-def solve_modes(model: Model, count: int = 10, about: Result | State | None = None) -> Modes:
-    """Find the lowest modes of free vibration.
-
-    Parameters
-    ----------
-    model : Model
-        The model; it is not changed.
-    count : int
-        Number of modes.
-    about : Result or State, optional
-        State to linearise at, such as an equilibrium; by default the start.
-
-    Returns
-    -------
-    Modes
-        ``frequencies`` [Hz], ``shapes``, ``eigenvalues`` [1/s], ``stable``.
-
-    Examples
-    --------
-    >>> import pliant as pl
-    >>> model = pl.Model()
-    >>> steel = pl.LinearElastic(youngs_modulus=2e11, poisson_ratio=0.3, density=7850.0)
-    >>> thick = pl.Circle(radius=1e-2)
-    >>> arm = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=8, section=thick, material=steel)
-    >>> wall = model.clamp(arm.start)
-    >>> print(f"{pl.solve_modes(model, count=2).frequencies[0]:.2f} Hz")
-    14.12 Hz
-    """
-    model = require_model(model)
-    count = _check.count(count, "count")
-    state = None if about is None else require_state(about, "about", model)
-    model = model.copy()
-    lowered, system = build(model, state)
-    freedoms = system.velocities - system.multipliers
-    if count > freedoms:
-        freedoms += sum(equations for _, equations, _ in system.redundant())
-        offsets = system.joint_offsets()
-        free = (one["joint"] for one in lowered.document["latches"] if not one["engaged"])
-        freedoms += int(sum(offsets[joint, 1] for joint in free))
-    if count > freedoms:
-        _check.fail("count", count, f"the model has {freedoms} degrees of freedom")
-    q, _ = start_vectors(lowered, system, state, model)
-    lambda_ = None
-    if (
-        state is not None
-        and len(state.lambda_) == system.multipliers
-        and q is not None
-        and len(q) == len(state.q)
-    ):
-        lambda_ = state.lambda_
-    inputs = CallableInputs(lowered, lowered.held_values)
-    with inputs.guarded(), translated():
-        squares, shapes = system.solve_modes(
-            count,
-            q=q,
-            lambda_=lambda_,
-            t=state.time if state is not None else 0.0,
-            load_factor=state is not None and state.static,
-            inputs=inputs.callback,
-        )
-    eigenvalues = np.sqrt(-squares.astype(complex))
-    floor = 1e-9 * float(np.abs(squares).max(initial=0.0))
-    here = q if q is not None else system.initial_q
-    empty = np.zeros((1, len(here)))
-    records = Records(
-        np.zeros(1),
-        here[None],
-        empty,
-        empty,
-        np.zeros((1, system.multipliers)),
-        np.zeros((1, 5)),
-        np.zeros((1, 0)),
-        np.zeros((1, 0)),
-    )
-    return Modes(
-        np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi),
-        eigenvalues,
-        shapes,
-        bool(squares.min(initial=0.0) >= -floor),
-        Result(model, lowered, records, static=True, statistics=Statistics(), system=system),
-    )

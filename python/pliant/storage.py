@@ -34,7 +34,7 @@ from pliant.bodies import LineBody
 from pliant.errors import FileError
 from pliant.files import atomic
 from pliant.model import Model
-from pliant.readings import Statistics
+from pliant.readings import CriticalPoint, Statistics
 from pliant.records import Records
 from pliant.result import Result
 
@@ -66,6 +66,10 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
                 "plan": lowered.plan,
                 "forces": lowered.forces,
                 "held": lowered.held,
+                "grows": lowered.grows,
+                "critical": [
+                    [c.kind, c.index, c.load_factor, c.shape.tolist()] for c in result.critical_points
+                ],
             }
         ),
         "statistics": json.dumps(dataclasses.asdict(result.statistics)),
@@ -126,6 +130,7 @@ def load(path: str | os.PathLike[str]) -> Result:
                 rigid=mapping.get("rigid", {}),
                 plan=mapping["plan"],
                 forces=mapping["forces"],
+                grows=mapping.get("grows"),
                 held={name: (first, initial) for name, (first, initial) in mapping["held"].items()},
             )
             records = Records(
@@ -134,13 +139,18 @@ def load(path: str | os.PathLike[str]) -> Result:
                     for field in dataclasses.fields(Records)
                 }
             )
-            return Result(
+            result = Result(
                 Model.from_document(text("model"), str(path)),
                 lowered,
                 records,
                 static=file.attrs["kind"] == "static",
                 statistics=Statistics(**text("statistics")),
             )
+            result.critical_points = tuple(
+                CriticalPoint(kind, index, factor, np.array(shape))
+                for kind, index, factor, shape in mapping.get("critical", ())
+            )
+            return result
     except FileError:
         raise
     except FileNotFoundError as error:

@@ -2,24 +2,44 @@
 
 use crate::model::Model;
 use crate::run::Records;
-use crate::system::{Inputs, Mode, System};
+use crate::system::{Chosen, Growth, Inputs, Mode, System};
 use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::State;
+use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::modes::{ModeOptions, solve_modes};
-use pliant_dae::problem::{Point, Problem};
+use pliant_dae::problem::{Point, Problem, Weights};
 use pliant_dae::redundancy::leave_out_dependent;
-use pliant_dae::statics::{self, solve_static};
+use pliant_dae::statics::path::{Kind, PathOptions, PathPoint, follow_path};
+use pliant_dae::statics::{self, StaticPoint, solve_static};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// Controls of [`statics()`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StaticOptions {
-    /// Number of load increments, each cut and grown as needed.
+    /// Number of load increments, each cut and grown as needed; along a path the least number of steps.
     pub load_steps: usize,
     /// Newton's tolerance, in units of the model's size; none: down to rounding.
     pub tolerance: Option<f64>,
-    /// Leave unstable equilibria for stable ones.
+    /// Leave unstable equilibria for stable ones; along a path the branch that loses its stability.
     pub stable: bool,
+    /// Follow the path through limit points.
+    pub arc_length: bool,
+    /// What grows; none: everything.
+    pub chosen: Option<Chosen>,
+    /// Let the forces out of balance at the start fade: it is an equilibrium at factor 0.
+    pub fade: bool,
+}
+
+/// A critical point of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Critical {
+    /// Number of its record.
+    pub record: usize,
+    /// Whether branches meet there; else the load stops rising or falling.
+    pub bifurcation: bool,
+    /// The motion that costs no force, of modal mass 1.
+    pub shape: Vec<f64>,
 }
 
 /// Equilibria along the load.
@@ -29,6 +49,8 @@ pub struct Path {
     pub records: Records,
     /// Load factors at which they are unstable.
     pub unstable: Vec<f64>,
+    /// Critical points among them.
+    pub critical: Vec<Critical>,
 }
 
 /// Equilibria at the load factors reached, the last at 1, and whether the search got there: on failure (no
@@ -38,19 +60,19 @@ pub struct Path {
 pub fn statics(
     model: &Arc<Model>,
     options: &StaticOptions,
-    q: Option<&[f64]>,
+    start: (Option<&[f64]>, Option<&[f64]>),
     inputs: Option<Inputs>,
     poll: &mut dyn FnMut(f64) -> bool,
 ) -> (Path, Result<(), Error>) {
     let mut path = Path::default();
-    let outcome = follow(model, options, q, inputs, poll, &mut path);
+    let outcome = follow(model, options, start, inputs, poll, &mut path);
     (path, outcome)
 }
 
 fn follow(
     model: &Arc<Model>,
     options: &StaticOptions,
-    q: Option<&[f64]>,
+    (q, lambda_): (Option<&[f64]>, Option<&[f64]>),
     inputs: Option<Inputs>,
     poll: &mut dyn FnMut(f64) -> bool,
     path: &mut Path,
@@ -58,50 +80,95 @@ fn follow(
     let mut system = System::new(model.clone(), Mode::Static, inputs, false);
     let mut solver = model.solver(false)?;
     let zero = vec![0.0; model.coordinates()];
-    let mut state = State {
+    let state = State {
         q: q.unwrap_or(&model.initial_q).to_vec(),
         v: zero.clone(),
         a: zero,
-        lambda_: vec![0.0; model.multipliers()],
+        lambda_: lambda_.map_or_else(|| vec![0.0; model.multipliers()], <[f64]>::to_vec),
         ..State::default()
     };
+    let chosen = options.chosen.clone();
+    system.set_growth(Growth { chosen: chosen.clone(), fading: Vec::new() });
+    if options.fade {
+        let mut fading = vec![0.0; model.coordinates()];
+        let mut phi = vec![0.0; model.multipliers()];
+        system
+            .residual(point_of(&state), &mut fading, &mut phi)
+            .map_err(|source| Error::Evaluation { t: 0.0, source })?;
+        system.set_growth(Growth { chosen, fading });
+    }
+    let search = statics::StaticOptions {
+        tolerance: options.tolerance.unwrap_or(statics::StaticOptions::default().tolerance),
+        stable: options.stable,
+        ..statics::StaticOptions::default()
+    };
+    let mut visited = Visited { state, path };
     let load_steps = options.load_steps.max(1);
+    if options.arc_length {
+        let at = Cell::new(0.0);
+        let mut points: Vec<PathPoint> = Vec::new();
+        let outcome = {
+            let (q, lambda_) = (visited.state.q.clone(), visited.state.lambda_.clone());
+            let along = PathOptions {
+                equilibrium: search,
+                largest_load: 1.0 / load_steps as f64,
+                switch: options.stable,
+                ..PathOptions::default()
+            };
+            let mut stop = || !poll(at.get());
+            let mut sink = |point: PathPoint| {
+                at.set(point.point.load);
+                points.push(point);
+            };
+            follow_path(&mut system, solver.as_mut(), &q, &lambda_, &along, &mut stop, &mut sink)
+        };
+        for PathPoint { point, kind, shape } in points {
+            visited.push(&mut system, solver.as_mut(), point);
+            if kind != Kind::Regular {
+                let record = visited.path.records.time.len() - 1;
+                let bifurcation = kind == Kind::Bifurcation;
+                visited.path.critical.push(Critical { record, bifurcation, shape });
+            }
+        }
+        return outcome;
+    }
     for k in 0..load_steps {
         let factor = |k: usize| k as f64 / load_steps as f64;
-        let options = statics::StaticOptions {
-            from: factor(k),
-            to: factor(k + 1),
-            tolerance: options.tolerance.unwrap_or(statics::StaticOptions::default().tolerance),
-            stable: options.stable,
-            ..statics::StaticOptions::default()
-        };
-        let mut poll = || !poll(options.to);
-        let points = solve_static(
-            &mut system,
-            solver.as_mut(),
-            &state.q,
-            &state.lambda_,
-            &options,
-            &mut poll,
-        )?;
+        let search = statics::StaticOptions { from: factor(k), to: factor(k + 1), ..search };
+        let mut stop = || !poll(search.to);
+        let State { q, lambda_, .. } = visited.state.clone();
+        let points = solve_static(&mut system, solver.as_mut(), &q, &lambda_, &search, &mut stop)?;
         for point in points {
-            let before = state.clone();
-            state.t = point.load;
-            state.q = point.q;
-            state.lambda_ = point.lambda_;
-            system.accept(point_of(&before), point_of(&state));
-            let mut lambda_ = state.lambda_.clone();
-            if !system.memory().redundant.is_empty() {
-                system.smallest_multipliers(solver.as_mut(), state.t, &state.q, &mut lambda_);
-            }
-            system.look_at(state.t);
-            path.records.push(&system, &state, &lambda_);
-            if point.stable == Some(false) {
-                path.unstable.push(point.load);
-            }
+            visited.push(&mut system, solver.as_mut(), point);
         }
     }
     Ok(())
+}
+
+/// The points of a path as records.
+struct Visited<'a> {
+    state: State,
+    path: &'a mut Path,
+}
+
+impl Visited<'_> {
+    fn push(&mut self, system: &mut System, solver: &mut dyn LinearSolver, point: StaticPoint) {
+        let before = self.state.clone();
+        let state = &mut self.state;
+        state.t = point.load;
+        state.q = point.q;
+        state.lambda_ = point.lambda_;
+        system.accept(point_of(&before), point_of(state));
+        let mut lambda_ = state.lambda_.clone();
+        if !system.memory().redundant.is_empty() {
+            system.smallest_multipliers(solver, state.t, &state.q, &mut lambda_);
+        }
+        system.look_at(state.t);
+        self.path.records.push(system, state, &lambda_);
+        if point.stable == Some(false) {
+            self.path.unstable.push(point.load);
+        }
+    }
 }
 
 fn point_of(state: &State) -> Point<'_> {
@@ -147,6 +214,98 @@ pub struct About<'a> {
     pub t: f64,
     /// Whether `t` is a load factor.
     pub load_factor: bool,
+    /// What the load factor acts on; none: everything.
+    pub chosen: Option<&'a Chosen>,
+}
+
+impl<'a> About<'a> {
+    /// The system there, with its functions of time known.
+    fn system(&self, model: &Arc<Model>, inputs: Option<Inputs>) -> Result<System, Error> {
+        let mode = if self.load_factor { Mode::Static } else { Mode::Dynamic };
+        let mut system = System::new(model.clone(), mode, inputs, false);
+        system.set_growth(Growth { chosen: self.chosen.cloned(), fading: Vec::new() });
+        let mut force = vec![0.0; model.coordinates()];
+        let mut phi = vec![0.0; model.multipliers()];
+        let (zero, no_force) = (force.clone(), phi.clone());
+        let evaluated = system.residual(self.point(model, &zero, &no_force), &mut force, &mut phi);
+        evaluated.map_err(|source| Error::Evaluation { t: self.t, source })?;
+        Ok(system)
+    }
+
+    fn point<'b>(&self, model: &'b Model, zero: &'b [f64], no_force: &'b [f64]) -> Point<'b>
+    where
+        'a: 'b,
+    {
+        Point {
+            t: self.t,
+            q: self.q.unwrap_or(&model.initial_q),
+            v: zero,
+            a: zero,
+            lambda_: self.lambda_.unwrap_or(no_force),
+        }
+    }
+}
+
+/// The equations of small motions `M x'' + C x' + K x + phi_q^T mu = 0`, `phi_q x = 0` as sums of entries.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Linear {
+    /// Row of each entry: coordinates, then multipliers.
+    pub rows: Vec<i64>,
+    /// Column of each entry.
+    pub columns: Vec<i64>,
+    /// Mass, damping, stiffness with `(phi_q^T lambda_)_q`, and `phi_q` beside its transpose.
+    pub values: [Vec<f64>; 4],
+}
+
+/// Whether there is neither damping nor a force without potential.
+#[must_use]
+pub fn is_conservative(model: &Arc<Model>) -> bool {
+    let system = System::new(model.clone(), Mode::Static, None, false);
+    system.has_potential() && !system.has_damping()
+}
+
+/// Small motions about a state at rest.
+///
+/// # Errors
+/// A failing function of time.
+pub fn linear(
+    model: &Arc<Model>,
+    about: &About<'_>,
+    inputs: Option<Inputs>,
+) -> Result<Linear, Error> {
+    let mut system = about.system(model, inputs)?;
+    let zero = vec![0.0; model.coordinates()];
+    let no_force = vec![0.0; model.multipliers()];
+    let at = about.point(model, &zero, &no_force);
+    let weights = |[mass, damping, stiffness, jacobian]: [f64; 4]| Weights {
+        mass,
+        damping,
+        stiffness,
+        jacobian,
+    };
+    let parts = [0, 1, 2, 3].map(|part| {
+        let mut only = [0.0; 4];
+        only[part] = 1.0;
+        let mut values = vec![0.0; model.structure.values()];
+        system.tangent(at, weights(only), &mut values);
+        values
+    });
+    let mut linear = Linear::default();
+    let structure = &model.structure;
+    for e in 0..structure.elements() {
+        let unknowns: Vec<usize> = structure.element_unknowns(e).collect();
+        let n = unknowns.len();
+        for (i, &row) in unknowns.iter().enumerate() {
+            for (j, &column) in unknowns.iter().enumerate() {
+                linear.rows.push(row as i64);
+                linear.columns.push(column as i64);
+                for (out, values) in linear.values.iter_mut().zip(&parts) {
+                    out.push(structure.entry(e, n, i, j, values));
+                }
+            }
+        }
+    }
+    Ok(linear)
 }
 
 /// The `count` lowest squares of angular frequencies [1/s^2] and mass-normalised shapes, one after the other.
@@ -156,26 +315,14 @@ pub struct About<'a> {
 pub fn modes(
     model: &Arc<Model>,
     count: usize,
-    about: About<'_>,
+    about: &About<'_>,
     inputs: Option<Inputs>,
 ) -> Result<(Vec<f64>, Vec<f64>), Error> {
-    let mode = if about.load_factor { Mode::Static } else { Mode::Dynamic };
-    let mut system = System::new(model.clone(), mode, inputs, false);
+    let mut system = about.system(model, inputs)?;
     let mut solver = model.solver(false)?;
     let zero = vec![0.0; model.coordinates()];
     let no_force = vec![0.0; model.multipliers()];
-    let point = Point {
-        t: about.t,
-        q: about.q.unwrap_or(&model.initial_q),
-        v: &zero,
-        a: &zero,
-        lambda_: about.lambda_.unwrap_or(&no_force),
-    };
-    // Loads are functions of time: let them be known at the time of linearisation.
-    let mut force = zero.clone();
-    let mut phi = no_force.clone();
-    let evaluated = system.residual(point, &mut force, &mut phi);
-    evaluated.map_err(|source| Error::Evaluation { t: about.t, source })?;
+    let point = about.point(model, &zero, &no_force);
     // Iteration with the inverse keeps the lowest modes of slender lines exact, where a dense solution loses them
     // in the rounding of the highest; it needs room for its basis.
     let options = ModeOptions { count, dense_limit: 4 * count + 24, ..ModeOptions::default() };

@@ -1,6 +1,7 @@
 //! A run of a model: the [`Problem`] that the integrator sees.
 
 mod forces;
+mod growth;
 
 use crate::error::ModelError;
 use crate::forces::Part;
@@ -10,6 +11,7 @@ use crate::memory::{Memory, work};
 use crate::model::{Model, PlacedForce};
 use crate::signal::Moment;
 use forces::{Room, gather};
+pub use growth::{Chosen, Growth};
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
@@ -46,6 +48,7 @@ pub struct System {
     model: Arc<Model>,
     inputs: Option<Inputs>,
     mode: Mode,
+    growth: Growth,
     parallel: bool,
     memory: Memory,
     workspaces: Vec<Workspace>,
@@ -70,6 +73,7 @@ impl System {
             joints,
             inputs,
             mode,
+            growth: Growth::default(),
             parallel,
             memory: Memory::default(),
             workspaces,
@@ -85,6 +89,11 @@ impl System {
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         &self.model
+    }
+
+    /// Tells what the load factor acts on; everything unless told.
+    pub fn set_growth(&mut self, growth: Growth) {
+        self.growth = growth;
     }
 
     /// What a continuation needs beside the state.
@@ -224,10 +233,18 @@ impl System {
         Moment { t, constants, inputs: &self.input_values }
     }
 
+    /// The moment that the constants of a load see.
+    fn moment_of(&self, load: usize, t: f64) -> Moment<'_> {
+        match self.mode {
+            Mode::Dynamic => self.moment(t),
+            Mode::Static => Moment { constants: self.growth.of_load(load, t), ..self.moment(t) },
+        }
+    }
+
     fn gravity_at(&self, t: f64) -> [f64; 3] {
         match self.mode {
             Mode::Dynamic => self.model.gravity,
-            Mode::Static => self.model.gravity.map(|g| t * g),
+            Mode::Static => self.model.gravity.map(|g| self.growth.of_gravity(t) * g),
         }
     }
 
@@ -291,9 +308,8 @@ impl System {
     }
 
     fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
-        let now = self.moment(t);
-        for load in &self.model.loads {
-            load.load.add_force(load.value.at(now), q, factor, force);
+        for (number, load) in self.model.loads.iter().enumerate() {
+            load.load.add_force(load.value.at(self.moment_of(number, t)), q, factor, force);
         }
     }
 
@@ -433,13 +449,13 @@ impl System {
     }
 
     fn load_tangents(&self, at: Point<'_>, weight: f64, values: &mut [f64]) {
-        let now = self.moment(at.t);
-        for load in &self.model.loads {
+        for (number, load) in self.model.loads.iter().enumerate() {
             if let (Some(element), Some(support)) = (load.element, load.load.support()) {
                 let slot = self.model.structure.slot(element);
                 let n = support.unknowns.len();
                 let out = &mut values[slot.base..slot.base + n * n];
-                load.load.jacobian(load.value.at(now), at.q, -weight, out);
+                let value = load.value.at(self.moment_of(number, at.t));
+                load.load.jacobian(value, at.q, -weight, out);
             }
         }
     }
@@ -505,6 +521,9 @@ impl Problem for System {
         }
         for body in &self.model.rigid_bodies {
             body.add_residual(at.a, gravity, force);
+        }
+        for (f, fading) in force.iter_mut().zip(&self.growth.fading) {
+            *f -= (1.0 - at.t) * fading;
         }
         self.load_forces(at.t, at.q, -1.0, force);
         self.add_forces((at.t, at.q, at.v), -1.0, |_, _| true, force);

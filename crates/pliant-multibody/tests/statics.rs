@@ -14,11 +14,18 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-const STABLE: StaticOptions = StaticOptions { load_steps: 1, tolerance: None, stable: true };
+const STABLE: StaticOptions = StaticOptions {
+    load_steps: 1,
+    tolerance: None,
+    stable: true,
+    arc_length: false,
+    chosen: None,
+    fade: false,
+};
 
 fn solve(model: &Arc<Model>, options: &StaticOptions) -> (Path, Result<(), Error>) {
     let begin = Instant::now();
-    let found = statics(model, options, None, None, &mut |_| true);
+    let found = statics(model, options, (None, None), None, &mut |_| true);
     println!("{:?} after {:?}", found.1, begin.elapsed());
     found
 }

@@ -10,6 +10,7 @@ use pliant_multibody::latches::Switch;
 use pliant_multibody::model::Model;
 use pliant_multibody::run::{Run, RunOptions, Start};
 use pliant_multibody::solve::{self, StaticOptions};
+use pliant_multibody::system::{Chosen, Inputs};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex};
@@ -89,6 +90,44 @@ impl PySystem {
         let pose = rest[..expected].to_vec();
         Ok(Some(Switch { t, joint, engaged: engaged != 0.0, gap, pose }))
     }
+}
+
+/// Coordinates, multipliers, time or load factor, which of the two, and what grows with it.
+type AboutArguments<'py> =
+    (Option<Row<'py>>, Option<Row<'py>>, f64, bool, Option<(bool, Vec<usize>)>);
+
+impl PySystem {
+    /// `work` about a state, with functions of time.
+    fn about<T: Send>(
+        &self,
+        py: Python<'_>,
+        (q, lambda_, t, load_factor, growing): AboutArguments<'_>,
+        inputs: Option<Py<PyAny>>,
+        work: impl Fn(&solve::About<'_>, Option<Inputs>) -> Result<T, pliant_dae::error::Error> + Sync,
+    ) -> PyResult<T> {
+        let q = self.option_row(q, "q", self.model.coordinates())?;
+        let lambda_ = self.option_row(lambda_, "lambda_", self.model.multipliers())?;
+        let failure = CallbackFailure::default();
+        let callback = crate::run::inputs(inputs, &failure);
+        let chosen = growing.map(chosen);
+        let done = py.detach(|| {
+            let about = solve::About {
+                q: q.as_deref(),
+                lambda_: lambda_.as_deref(),
+                t,
+                load_factor,
+                chosen: chosen.as_ref(),
+            };
+            work(&about, callback)
+        });
+        done.map_err(|error| raise(py, &failure, &error))
+    }
+}
+
+/// What grows with the load factor, from Python's words.
+fn chosen((gravity, mut loads): (bool, Vec<usize>)) -> Chosen {
+    loads.sort_unstable();
+    Chosen { gravity, loads }
 }
 
 #[pymethods]
@@ -220,18 +259,25 @@ impl PySystem {
         Ok(PyIntegrator { run: Mutex::new(run), failure, sizes: self.sizes(), projection })
     }
 
-    #[pyo3(signature = (*, load_steps = 1, tolerance = None, stable = true, q = None, inputs = None, poll = None))]
+    #[pyo3(signature = (*, load_steps = 1, tolerance = None, stable = true, arc_length = false, growing = None,
+        fade = false, q = None, lambda_ = None, inputs = None, poll = None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn solve_static<'py>(
         &self,
         py: Python<'py>,
         load_steps: usize,
         tolerance: Option<f64>,
         stable: bool,
+        arc_length: bool,
+        growing: Option<(bool, Vec<usize>)>,
+        fade: bool,
         q: Option<Row<'py>>,
+        lambda_: Option<Row<'py>>,
         inputs: Option<Py<PyAny>>,
         poll: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let q = self.option_row(q, "q", self.model.coordinates())?;
+        let lambda_ = self.option_row(lambda_, "lambda_", self.model.multipliers())?;
         let failure = CallbackFailure::default();
         let callback = crate::run::inputs(inputs, &failure);
         let stop = failure.clone();
@@ -251,12 +297,27 @@ impl PySystem {
                 }
             })
         };
-        let options = StaticOptions { load_steps, tolerance, stable };
-        let (path, outcome) =
-            py.detach(|| solve::statics(&self.model, &options, q.as_deref(), callback, &mut poll));
+        let options = StaticOptions {
+            load_steps,
+            tolerance,
+            stable,
+            arc_length,
+            chosen: growing.map(chosen),
+            fade,
+        };
+        let (path, outcome) = py.detach(|| {
+            let start = (q.as_deref(), lambda_.as_deref());
+            solve::statics(&self.model, &options, start, callback, &mut poll)
+        });
         let unstable = PyArray1::from_vec(py, path.unstable);
+        let critical: Vec<_> = path
+            .critical
+            .into_iter()
+            .map(|c| (c.record, c.bifurcation, PyArray1::from_vec(py, c.shape)))
+            .collect();
         let path = records(py, path.records, self.sizes())?;
         path.set_item("unstable", unstable)?;
+        path.set_item("critical", critical)?;
         match outcome {
             Ok(()) => Ok(path),
             Err(error) => {
@@ -267,7 +328,8 @@ impl PySystem {
         }
     }
 
-    #[pyo3(signature = (count, *, q = None, lambda_ = None, t = 0.0, load_factor = false, inputs = None))]
+    #[pyo3(signature = (count, *, q = None, lambda_ = None, t = 0.0, load_factor = false, growing = None, inputs = None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn solve_modes<'py>(
         &self,
         py: Python<'py>,
@@ -276,20 +338,44 @@ impl PySystem {
         lambda_: Option<Row<'py>>,
         t: f64,
         load_factor: bool,
+        growing: Option<(bool, Vec<usize>)>,
         inputs: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Table<'py>)> {
-        let q = self.option_row(q, "q", self.model.coordinates())?;
-        let lambda_ = self.option_row(lambda_, "lambda_", self.model.multipliers())?;
-        let failure = CallbackFailure::default();
-        let callback = crate::run::inputs(inputs, &failure);
-        let modes = py.detach(|| {
-            let about =
-                solve::About { q: q.as_deref(), lambda_: lambda_.as_deref(), t, load_factor };
-            solve::modes(&self.model, count, about, callback)
-        });
-        let (squares, shapes) = modes.map_err(|error| raise(py, &failure, &error))?;
+        let modes =
+            |about: &solve::About<'_>, inputs| solve::modes(&self.model, count, about, inputs);
+        let about = (q, lambda_, t, load_factor, growing);
+        let (squares, shapes) = self.about(py, about, inputs, modes)?;
         let shapes = table(py, shapes, self.model.coordinates())?;
         Ok((PyArray1::from_vec(py, squares), shapes))
+    }
+
+    fn is_conservative(&self) -> bool {
+        solve::is_conservative(&self.model)
+    }
+
+    #[pyo3(signature = (*, q = None, lambda_ = None, t = 0.0, load_factor = false, growing = None, inputs = None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn linear<'py>(
+        &self,
+        py: Python<'py>,
+        q: Option<Row<'py>>,
+        lambda_: Option<Row<'py>>,
+        t: f64,
+        load_factor: bool,
+        growing: Option<(bool, Vec<usize>)>,
+        inputs: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let linear = |about: &solve::About<'_>, inputs| solve::linear(&self.model, about, inputs);
+        let linear = self.about(py, (q, lambda_, t, load_factor, growing), inputs, linear)?;
+        let dict = PyDict::new(py);
+        dict.set_item("rows", PyArray1::from_vec(py, linear.rows))?;
+        dict.set_item("columns", PyArray1::from_vec(py, linear.columns))?;
+        for (name, values) in
+            ["mass", "damping", "stiffness", "jacobian"].into_iter().zip(linear.values)
+        {
+            dict.set_item(name, PyArray1::from_vec(py, values))?;
+        }
+        Ok(dict)
     }
 
     fn axial_force<'py>(

@@ -14,6 +14,7 @@ use crate::error::{Error, check_length};
 use crate::linear_solver::LinearSolver;
 use crate::modes::{ModeOptions, solve_modes};
 use crate::problem::Problem;
+use crate::redundancy::{leave_out_dependent, require_met};
 use crate::scaling::weighted_max;
 
 /// Controls of the path.
@@ -37,7 +38,7 @@ impl Default for PathOptions {
             equilibrium: StaticOptions::default(),
             largest_load: 0.1,
             largest_move: 0.1,
-            max_points: 5000,
+            max_points: 1000,
             switch: true,
         }
     }
@@ -66,7 +67,7 @@ pub struct PathPoint {
 }
 
 /// Iterations aimed at in each step, and their largest number.
-const WANTED: f64 = 4.0;
+const WANTED: f64 = 6.0;
 const ITERATIONS: usize = 15;
 /// Range of the change of the step.
 const SHRINK: f64 = 0.5;
@@ -79,9 +80,10 @@ const BEND: f64 = 0.8;
 const DIFFERENCE: f64 = 1e-4;
 /// Trials that locate a critical point.
 const TRIALS: usize = 50;
-/// Modes watched for changes of stability, and the size up to which all are known.
+/// Modes watched for changes of stability, and the size up to which all are known: a dense solution of slender parts
+/// loses the slowest in the rounding of the fastest.
 const MODES: usize = 6;
-const DENSE: usize = 120;
+const DENSE: usize = 4 * MODES + 24;
 /// First displacement onto another branch, in units of the scale.
 const PUSH: f64 = 0.02;
 
@@ -96,6 +98,8 @@ struct Station {
     last_increment: f64,
     /// Motions that lower the energy; none: not known.
     falling: Option<usize>,
+    /// Smallest squares of angular frequencies, ascending.
+    squares: Vec<f64>,
 }
 
 /// Follows the path from the load `options.equilibrium.from`; `sink` gets its points.
@@ -113,9 +117,14 @@ pub fn follow_path<P: Problem + ?Sized>(
 ) -> Result<(), Error> {
     check_length("q", q, problem.coordinates())?;
     check_length("lambda_", lambda_, problem.multipliers())?;
+    let dependencies = leave_out_dependent(problem, solver, options.equilibrium.from, q)?;
+    let mut lambda_ = lambda_.to_vec();
+    for dependency in &dependencies {
+        lambda_[dependency.equation] = 0.0;
+    }
     let mut search = Search::new(problem, solver, options.equilibrium, poll);
-    search.measure_forces(options.equilibrium.from, q, lambda_);
-    let mut here = search.begin(q, lambda_, options)?;
+    search.measure_forces(options.equilibrium.from, q, &lambda_);
+    let mut here = search.begin(q, &lambda_, options)?;
     sink(search.point(&here, Kind::Regular, Vec::new()));
     let to = options.equilibrium.to;
     let mut part = 0.5;
@@ -187,7 +196,8 @@ pub fn follow_path<P: Problem + ?Sized>(
             let shape = search.critical_shape(&meeting);
             sink(search.point(&meeting, Kind::Bifurcation, shape.clone()));
             points += 1;
-            if options.switch && here.falling == Some(0) {
+            // Of several motions at once, as those of a round strut to all sides, none is preferred.
+            if options.switch && here.falling == Some(0) && changes == 1 {
                 if let Some(branch) = search.switch(&meeting, &shape)? {
                     follow = branch;
                     part = 0.1;
@@ -203,6 +213,7 @@ pub fn follow_path<P: Problem + ?Sized>(
         here = follow;
         sink(search.point(&here, Kind::Regular, Vec::new()));
         points += 1;
+        require_met(search.problem, here.load, &here.place.q, &dependencies)?;
         part = (part * grown).min(1.0);
     }
     Err(Error::PathEnded { t: here.load, points, to })
@@ -223,8 +234,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let at_rest = self.newton(from, step, &mut place, self.exact())?;
         let started = match at_rest {
             super::Outcome::Equilibrium { last_increment, iterations } => {
-                let mut rises = vec![0.0; n + lambda_.len()];
-                rises.truncate(n);
+                let rises = vec![0.0; n];
                 self.station(place, from, &rises, 1.0, iterations, last_increment)
             }
             super::Outcome::Failed(error) => Err(error),
@@ -265,8 +275,9 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let forward = self.product(&tangent[..n], before) + rate_before;
         let sign = if forward < 0.0 { -1.0 } else { 1.0 };
         tangent.iter_mut().for_each(|t| *t *= sign / norm);
-        let falling = self.falling(load, &place)?;
-        Ok(Station { place, load, tangent, rate: sign / norm, iterations, last_increment, falling })
+        let (falling, squares) = self.falling(load, &place)?;
+        let rate = sign / norm;
+        Ok(Station { place, load, tangent, rate, iterations, last_increment, falling, squares })
     }
 
     /// Mean of products in units of the scale.
@@ -347,16 +358,19 @@ impl<P: Problem + ?Sized> Search<'_, P> {
     }
 
     /// Number of motions that lower the energy, among those nearest to none where the problem is large.
-    fn falling(&mut self, load: f64, place: &Place) -> Result<Option<usize>, Error> {
+    fn falling(&mut self, load: f64, place: &Place) -> Result<(Option<usize>, Vec<f64>), Error> {
         if !self.problem.has_potential() {
-            return Ok(None);
+            return Ok((None, Vec::new()));
         }
         let options = ModeOptions { count: MODES, dense_limit: DENSE, ..ModeOptions::default() };
         let modes =
             solve_modes(self.problem, self.solver, load, &place.q, &place.lambda_, &options);
         match modes {
-            Ok(modes) => Ok(Some(modes.iter().filter(|m| m.unstable).count())),
-            Err(error) if error.is_recoverable() => Ok(None),
+            Ok(modes) => Ok((
+                Some(modes.iter().filter(|m| m.unstable).count()),
+                modes.iter().map(|m| m.omega_squared).collect(),
+            )),
+            Err(error) if error.is_recoverable() => Ok((None, Vec::new())),
             Err(error) => Err(error),
         }
     }
@@ -376,8 +390,8 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             .unwrap_or_default()
     }
 
-    /// The critical point between two stations `length` apart: where the load's rate vanishes (by false position with
-    /// Illinois' weights), or where the stability changes (by bisection).
+    /// The critical point between two stations `length` apart, by false position with Illinois' weights: where the
+    /// load's rate vanishes, or the square of the frequency that changes its sign.
     fn locate(
         &mut self,
         from: &Station,
@@ -385,44 +399,45 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         to: &Station,
         limit: bool,
     ) -> Result<Station, Error> {
+        let first = from.falling.unwrap_or(0).min(to.falling.unwrap_or(0));
+        let measure = |station: &Station| {
+            if limit { station.rate } else { station.squares.get(first).copied().unwrap_or(0.0) }
+        };
         let (mut low, mut high) = (0.0, length);
-        let (mut at_low, mut at_high) = (from.rate, to.rate);
-        let mut best = to.clone();
+        let (mut at_low, mut at_high) = (measure(from), measure(to));
+        let size = at_low.abs().max(at_high.abs());
+        let mut best = if at_low.abs() < at_high.abs() { from.clone() } else { to.clone() };
+        if at_low * at_high >= 0.0 {
+            // The sign changed within rounding of one of them.
+            return Ok(best);
+        }
         let mut side = 0;
         for _ in 0..TRIALS {
-            if high - low <= 1e-9 * length {
-                break;
-            }
-            let trial = if limit {
-                let guess = (low * at_high - high * at_low) / (at_high - at_low);
-                if guess > low && guess < high { guess } else { 0.5 * (low + high) }
-            } else {
-                0.5 * (low + high)
-            };
+            let trial = (low * at_high - high * at_low) / (at_high - at_low);
             let middle = match self.advance(from, trial) {
                 Ok(middle) => middle,
                 // Too close to the critical point for its matrix: near enough.
                 Err(error) if error.is_recoverable() => break,
                 Err(error) => return Err(error),
             };
-            let below =
-                if limit { middle.rate * from.rate > 0.0 } else { middle.falling == from.falling };
-            if below {
-                (low, at_low) = (trial, middle.rate);
+            let value = measure(&middle);
+            if value.abs() <= measure(&best).abs() {
+                best = middle;
+            }
+            if value * at_low > 0.0 {
+                (low, at_low) = (trial, value);
                 if side == -1 {
                     at_high *= 0.5;
                 }
                 side = -1;
             } else {
-                (high, at_high) = (trial, middle.rate);
+                (high, at_high) = (trial, value);
                 if side == 1 {
                     at_low *= 0.5;
                 }
                 side = 1;
             }
-            let found = limit && middle.rate.abs() <= 1e-9;
-            best = middle;
-            if found {
+            if value.abs() <= 1e-10 * size || high - low <= 1e-12 * length {
                 break;
             }
         }
