@@ -1,9 +1,11 @@
 """Eigenvalues of ``M x'' + C x' + K x + J^T mu = 0``, ``J x = 0`` with any C and K, by an inverse.
 
 With z = (x, s x) the inverse of the linearised problem at the shift sigma takes (x, y) to
-(u, x + sigma u), where ``Q u + J^T mu = -(M y + (C + sigma M) x)``, ``J u = 0`` and ``Q = sigma^2 M + sigma C + K``. Its largest
-eigenvalues 1/(s - sigma) are the smallest s, free of the rounding of the fastest motions, which in slender
-lines are ten thousand times faster.
+(u, x + sigma u), where ``Q u + J^T mu = -(M y + (C + sigma M) x)`` and ``J u = 0``, and
+``Q = sigma^2 M + sigma C + K``.
+
+Its largest eigenvalues 1/(s - sigma) are the smallest s, free of the rounding of the fastest motions, which
+in slender lines are ten thousand times faster.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ import pytest
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
 SMALL = {
+    "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "rolled_cantilever": {"elements": (8, 16)},
@@ -116,3 +117,13 @@ def test_the_energy_audit_after_the_catch_closes_with_order_2(examples, record):
     # The jump relaxes in a few of the small steps: the order is reached from below.
     assert record("example catch, order of the energy audit", caught.order, 2.0, 0.25)
     assert caught.gaps[-1] < 1e-3
+
+
+def test_the_strut_buckles_at_eulers_load_into_the_elastica(examples, record):
+    _, buckling = examples["buckling_strut"]
+    # Ten elements of fourth order; the compression before is worth 2.5e-6.
+    assert record("example strut, bifurcation over Euler's load", buckling.critical, 1.0, 1e-5)
+    assert record("example strut, end against the elastica", buckling.error, 0.0, 1e-4, unit="L")
+    # A push to the side bends the path before the load is reached.
+    pushed = buckling.tips[0][:, 1]
+    assert np.interp(0.9, buckling.loads[0], pushed) > 0.02

@@ -21,8 +21,8 @@ fn frequencies(ea: f64, count: usize) -> Vec<f64> {
     };
     let spec = support::document([0.0; 3], vec![cable], vec![clamp]);
     let model = Arc::new(Model::new(&spec, &[]).unwrap());
-    let about = About { q: None, lambda_: None, t: 0.0, load_factor: false };
-    let (squares, _) = modes(&model, count, about, None).unwrap();
+    let about = About { q: None, lambda_: None, t: 0.0, load_factor: false, chosen: None };
+    let (squares, _) = modes(&model, count, &about, None).unwrap();
     squares.iter().map(|w2| w2.sqrt()).collect()
 }
 
