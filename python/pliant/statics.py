@@ -93,14 +93,14 @@ def solve_static(
     >>> print(f"{result.axial_force(bar)[-1, 0]:.0f}")
     10000
 
-    Two bars that snap through; the load falls after the first limit point, and ends where it is full again:
+    Four bars that snap through; the load falls after the first limit point, and ends where it is full again:
 
-    >>> arch = pl.Model()
-    >>> line = dict(elements=1, section=pl.Circle(radius=5e-3), material=steel)
-    >>> left = arch.add_cable([(-1, 0, 0), (0, 0, 0.1)], **line)
-    >>> right = arch.add_cable([(1, 0, 0), (0, 0, 0.1)], **line)
-    >>> ends = arch.pin(left.start), arch.pin(right.start), arch.pin(left.end, right.end)
-    >>> push = arch.add_force(left.end, (0, 0, -1e4))
+    >>> arch, stout = pl.Model(), pl.Circle(radius=0.02)
+    >>> feet = [(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0)]
+    >>> lines = [[foot, (0, 0, 0.02)] for foot in feet]
+    >>> bars = [arch.add_cable(line, elements=1, section=stout, material=steel) for line in lines]
+    >>> pins = [arch.pin(bar.start) for bar in bars] + [arch.pin(bars[0].end, bar.end) for bar in bars[1:]]
+    >>> push = arch.add_force(bars[0].end, (0, 0, -3000))
     >>> path = pl.solve_static(arch, arc_length=True)
     >>> [point.kind for point in path.critical_points]
     ['limit', 'limit']

@@ -141,6 +141,7 @@ class Stepper:
         self._inputs = CallableInputs(lowered)
         self._chunks: list[Records] = []
         self._present: Result | None = None
+        self._reader: Result | None = None
         self._offsets: dict[str, IntArray] = {}
         with self._inputs.guarded(), translated():
             self._integrator = system.integrator(
@@ -319,13 +320,11 @@ class Stepper:
 
     def position(self, point: Point | PointMass) -> FloatArray:
         """Position of a material point [m], (3,)."""
-        now: FloatArray = self._now._at(self.model._point(point, "point"), self._integrator.q[None])[0]
-        return now
+        return self._read(point, self._integrator.q)
 
     def velocity(self, point: Point | PointMass) -> FloatArray:
         """Velocity of a material point [m/s], (3,)."""
-        now: FloatArray = self._now._at(self.model._point(point, "point"), self._integrator.v[None])[0]
-        return now
+        return self._read(point, self._integrator.v)
 
     def positions(self, body: Handle | str) -> FloatArray:
         """Positions of the nodes of a body [m], (nodes, 3)."""
@@ -390,6 +389,13 @@ class Stepper:
     @property
     def _steps(self) -> int:
         return self._integrator.steps
+
+    def _read(self, point: Point | PointMass, vector: FloatArray) -> FloatArray:
+        """Read a point from coordinates or velocities; where it is found there does not change with time."""
+        if self._reader is None:
+            self._reader = self._now
+        row: FloatArray = self._reader._at(self.model._point(point, "point"), vector[None])[0]
+        return row
 
     @property
     def _now(self) -> Result:

@@ -312,7 +312,6 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("duration", "0", lambda s: run(s, duration=0)),
     ("duration", "inf", lambda s: run(s, duration=INF)),
     ("step", "-0.1", lambda s: run(s, step=-0.1)),
-    ("step", "'auto'", lambda s: run(s, step="auto")),
     ("step", "1e-12", lambda s: run(s, step=1e-12)),
     ("spectral_radius", "1.5", lambda s: run(s, spectral_radius=1.5)),
     ("output_every", "0", lambda s: run(s, output_every=0)),
