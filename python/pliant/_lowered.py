@@ -79,6 +79,19 @@ class Lowered:
         """The document as text."""
         return json.dumps(self.document)
 
+    def to_map(self) -> Json:
+        """Write as JSON how the core's answers are read: all but the document and what stands beside it."""
+        beside = ("document", "arrays", "inputs")
+        return {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name not in beside}
+
+    @classmethod
+    def from_map(
+        cls, mapping: Json, document: Json, arrays: list[FloatArray], inputs: list[Input]
+    ) -> Lowered:
+        """Read what :meth:`to_map` wrote."""
+        held = {name: (first, initial) for name, (first, initial) in mapping["held"].items()}
+        return cls(**{**mapping, "held": held}, document=document, arrays=arrays, inputs=inputs)
+
     @property
     def held_values(self) -> FloatArray:
         """Initial values of all inputs, one after the other."""

@@ -20,18 +20,20 @@ from pliant._running import (
     as_records,
     build,
     name_node,
-    progress_bar,
     require_model,
+    require_state,
     start_vectors,
     thread_count,
 )
+from pliant._table import table
 from pliant.checkpoints import read
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.model import Model
 from pliant.points import Handle
+from pliant.progress import progress_bar
 from pliant.readings import Statistics
 from pliant.records import Records, State
-from pliant.result import Result, require_state
+from pliant.result import Result
 from pliant.stepper import Stepper
 from pliant.typing import ArrayLike, FloatArray
 
@@ -45,7 +47,7 @@ def simulate(
     *,
     duration: float,
     step: float,
-    start: Result | State | None = None,
+    start: Result | State | PathLike | None = None,
     spectral_radius: float | None = None,
     output_every: int = 1,
     output_times: ArrayLike | None = None,
@@ -54,6 +56,7 @@ def simulate(
     threads: int | None = None,
     progress: bool | None = None,
     checkpoint: PathLike | tuple[PathLike, float] | None = None,
+    output: PathLike | None = None,
 ) -> Result:
     """Integrate the motion of a model by generalized-alpha.
 
@@ -66,10 +69,10 @@ def simulate(
     step : float
         Step [s]. Where ``duration`` is not a whole number of steps, the step is made a little smaller so that
         it is.
-    start : Result or State, optional
-        The run begins at the last state of a result, or at ``result.state(i)``, at time 0. Bodies must be the
-        same, loads and joints may differ. A static result gives the positions; the velocities are those of
-        the bodies.
+    start : Result, State or path, optional
+        The run begins at the last state of a result, at ``result.state(i)``, or where the file of a result or
+        a checkpoint ends, at time 0. Bodies must be the same, loads and joints may differ. A static result
+        gives the positions; the velocities are those of the bodies.
     spectral_radius : float, optional
         Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
     output_every : int
@@ -89,6 +92,9 @@ def simulate(
     checkpoint : str, path or (path, float), optional
         Save the run in this file every minute, or every so many seconds, when it is interrupted, and at its
         end; :func:`pliant.resume` continues it with the same bits.
+    output : str or path, optional
+        Write the result to this file as it comes: memory stays bounded, and what was written can be read by
+        ``Result.load`` at any time, from elsewhere, too, and after the run was killed.
 
     Returns
     -------
@@ -115,6 +121,7 @@ def simulate(
         spectral_radius=spectral_radius,
         tolerance=tolerance,
         threads=threads,
+        output=output,
     )
     return _drive(stepper, plan, on_step, progress)
 
@@ -141,6 +148,7 @@ def _drive(
                         raise KeyboardInterrupt
                     if on_step is not None and on_step(stepper) is True:
                         plan.finish(stepper)
+                        stepper._finish()
                         return stepper.result
                     report(stepper._take(1 if on_step else left, leg.step, plan.output_every, leg.end, left))
                     if left == 1 or stepper._steps == leg.last:
@@ -148,10 +156,12 @@ def _drive(
                     plan.save(stepper)
         plan.finish(stepper)
     except (KeyboardInterrupt, ConvergenceError, ModelError) as error:
+        stepper._finish()
         error.result = stepper.result  # type: ignore[union-attr]
         if isinstance(error, KeyboardInterrupt):
             plan.save(stepper, now=True)
         raise
+    stepper._finish()
     return stepper.result
 
 
@@ -249,7 +259,7 @@ def simulate_many(
     for k, model in enumerate(queue):
         if not isinstance(model, Model):
             _check.fail(f"models[{k}]", model, "must be a pliant.Model")
-    for name in ("checkpoint", "on_step"):
+    for name in ("checkpoint", "on_step", "output"):
         if options.get(name) is not None:
             _check.fail(name, options[name], "belongs to one run: use pliant.simulate")
     for name in ("duration", "step"):
@@ -308,7 +318,7 @@ def _begin(model: Model, plan: Plan, **options: Any) -> Stepper:
 def solve_static(
     model: Model,
     *,
-    start: Result | State | None = None,
+    start: Result | State | PathLike | None = None,
     load_steps: int = 1,
     tolerance: float | None = None,
     stable: bool = True,
@@ -418,12 +428,22 @@ class Modes:
     stable: bool
     _result: Result
 
+    def __repr__(self) -> str:
+        lowest = ", ".join(f"{f:.4g}" for f in self.frequencies[:4])
+        more = ", ..." if len(self.frequencies) > 4 else ""
+        return f"<Modes: {lowest}{more} Hz, {'stable' if self.stable else 'unstable'}>"
+
+    def _repr_html_(self) -> str:
+        pairs = zip(self.frequencies, self.eigenvalues, strict=True)
+        rows = [(k, f"{f:.6g} Hz", f"{value:.6g} 1/s") for k, (f, value) in enumerate(pairs)]
+        return table("Modes, stable" if self.stable else "Modes, unstable", rows)
+
     def positions(self, body: Handle | str) -> FloatArray:
         """Shapes as displacements of the nodes of a body, (count, nodes, 3)."""
         return self._result._nodes(body, self.shapes)
 
 
-def solve_modes(model: Model, count: int = 10, about: Result | State | None = None) -> Modes:
+def solve_modes(model: Model, count: int = 10, about: Result | State | PathLike | None = None) -> Modes:
     """Find the lowest modes of free vibration.
 
     Parameters
