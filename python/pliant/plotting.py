@@ -108,9 +108,10 @@ class Picture:
         axes = self.figure.add_subplot()
         axes.set_aspect("equal", adjustable="datalim")
         axes.grid(alpha=0.25)
-        for k, name in zip(self.shown, "xy", strict=True):
-            edge = 0.04 * self.size
-            getattr(axes, f"set_{name}lim")(self.low[k] - edge, self.high[k] + edge)
+        # The limits are those of the whole motion, whatever is drawn of it.
+        axes.update_datalim([self.low[self.shown], self.high[self.shown]])
+        axes.autoscale_view()
+        axes.set_autoscale_on(False)
         return axes
 
     def _axes_in_space(self) -> Any:
@@ -126,7 +127,8 @@ class Picture:
         axes.view_init(elev=22, azim=-62 if turned else -28, vertical_axis="zyx"[int(self._vertical())])
         axes.set_box_aspect(extent, zoom=0.92)
         axes.tick_params(labelsize=8)
-        axes.locator_params(nbins=5)
+        for k, name in enumerate("xyz"):
+            axes.locator_params(axis=name, nbins=5 if extent[k] > 0.4 * self.size else 2)
         return axes
 
     def _vertical(self) -> int:
