@@ -255,6 +255,8 @@ class Stepper:
         """
         saved = self._start
         if state is not None:
+            if not isinstance(state, State):
+                _check.fail("state", state, "must be the state of a stepper")
             state = require_state(state, "state", self.model)
             if state.saved is None:
                 _check.fail("state", state, "must be the state of a stepper")
