@@ -85,6 +85,7 @@ def write(path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
     for place in ("present", "records"):
         rows: Records = getattr(checkpoint, place)
         arrays |= {f"{place}.{name}": np.asarray(column) for name, column in rows.columns()}
+        arrays[f"{place}.history"] = rows.history
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)
     contents = buffer.getbuffer()

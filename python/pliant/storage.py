@@ -26,7 +26,7 @@ from pliant.streams import FORMAT, SIGNATURE, VERSION, Stream, h5py_module, open
 
 __all__ = ["facts", "is_result", "load", "load_records", "save"]
 
-ROWS = ("records/", "blocks/", "statistics")
+ROWS = ("records/", "blocks/", "history", "statistics")
 
 
 def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from pliant.typing import FloatArray, IntArray
 
 __all__ = ["FORMAT", "SIGNATURE", "VERSION", "Stream", "h5py_module", "open_result", "read_records"]
 
-FORMAT, VERSION = "pliant-result", 4
+FORMAT, VERSION = "pliant-result", 5
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 BLOCK = 1 << 22  # bytes of rows in memory before they go to disk
 SECONDS = 2.0  # or the time after which they do
@@ -42,6 +42,7 @@ COLUMNS: Mapping[str, tuple[str, str]] = {
     "energy": ("kinetic, elastic, gravitational, dissipated energy and work", "J"),
     "inputs": ("values of the inputs", ""),
     "outputs": ("what springs and other forces show", ""),
+    "switches": ("rows of history before each output", ""),
 }
 
 
@@ -127,6 +128,10 @@ class Stream:
             chunks=(64, count, DIGEST),
             dtype="u1",
         )
+        # Joints that were engaged or released: few rows, which may become wider.
+        file.create_dataset(
+            "history", shape=(0, 0), maxshape=(None, None), chunks=(16, 16), dtype="<f8", fletcher32=True
+        )
         file["statistics"] = _padded("{}")
 
     def _append_to_file(self) -> None:
@@ -181,6 +186,10 @@ class Stream:
             if joined.size:
                 data[self.rows :] = joined
             digests.append(_digest(joined))
+        history = self._waiting[-1].history
+        if len(history) > len(self._file["history"]):
+            self._file["history"].resize(history.shape)
+            self._file["history"][...] = history
         self._file.flush()
         self.rows += len(joined)
         end, digest = (self._file[f"blocks/{name}"] for name in ("end", "digest"))
@@ -233,11 +242,19 @@ class FileRows:
             return one
         if not len(index):
             return np.zeros((0, self.shape[1]))[(slice(None), *rest)]
+        first, last = int(index.min()), int(index.max()) + 1
         if np.all(np.diff(index) == 1):
-            parts = [part[(slice(None), *rest)] for part in self._pieces(int(index[0]), int(index[-1]) + 1)]
+            parts = [part[(slice(None), *rest)] for part in self._pieces(first, last)]
             return parts[0] if len(parts) == 1 else np.concatenate(parts)
-        out = np.stack([self._read(int(i), int(i) + 1)[0] for i in index])
-        return out[(slice(None), *rest)]
+        blocks = np.searchsorted(self._ends, index, side="right")
+        parts = []
+        for block in np.unique(blocks):
+            here = index[blocks == block]
+            part = self._read(int(here.min()), int(here.max()) + 1)
+            parts.append(part[here - here.min()][(slice(None), *rest)])
+        out = np.empty((len(index), *parts[0].shape[1:]))
+        out[np.argsort(blocks, kind="stable")] = np.concatenate(parts)
+        return out
 
     def _pieces(self, first: int, last: int) -> Iterator[FloatArray]:
         """Rows first to last, block by block."""
@@ -293,11 +310,14 @@ def read_records(path: str | os.PathLike[str], file: Any, rows: int | None = Non
         if rows > n:
             raise FileError(f"{path}: has {n} rows, not {rows}: it is not what the run wrote")
         n = rows
-    columns["time"] = np.concatenate([np.zeros(0), *columns["time"]._pieces(0, n)]) if n else np.zeros(0)
+    for name in ("time", "switches"):
+        pieces = columns[name]._pieces(0, n) if n else ()
+        columns[name] = np.concatenate([np.zeros(0), *pieces])
+    history = file["history"][()]
     if size <= IN_MEMORY or rows == 0:
         columns = {name: column[:n] for name, column in columns.items()}
     elif rows is not None:
         for column in columns.values():
             if isinstance(column, FileRows):
                 column.shape = (n, column.shape[1])
-    return Records(**columns)
+    return Records(**columns, history=history if history.size else np.zeros((0, 5)))
