@@ -80,7 +80,11 @@ class Motion(Lookup):
                         motion = np.zeros((len(q), 2))
                     motion[rows] = by_blocks(read, q, v, rows=rows)
         if motion is None:
-            _check.fail("joint", joint, "must be a hinge or a slider, whose freedom is one number")
+            _check.fail(
+                "joint",
+                joint,
+                "must be a hinge, a slider or a point that slides along a path: its freedom is one number",
+            )
         if isinstance(self.model._joints[joint.name], Hinge):
             motion[:, 0] = np.unwrap(motion[:, 0])
         return JointMotion(*np.ascontiguousarray(motion.T))

@@ -11,7 +11,7 @@ import numpy as np
 
 from pliant.bodies import LineBody
 from pliant.forces import ForceData
-from pliant.joints import Pair
+from pliant.joints import Pair, SlideCable
 from pliant.loads import Force, LineLoad
 from pliant.redundancy import redundancies
 from pliant.rigid import RigidBodyData
@@ -67,6 +67,8 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
             rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))
     for name, joint in model._joints.items():
         text = f"{joint.a} to {joint.b}" if isinstance(joint, Pair) else str(joint.a)
+        if isinstance(joint, SlideCable):
+            text += f" along {joint.cable}"
         how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": ""}[
             lowered.plan[name]["kind"]
         ]

@@ -230,6 +230,7 @@ class Stepper:
 
     def _switch(self, joint: Joint, engage: bool, gap: float | None) -> None:
         plan = self._now._plan_of(joint)
+        self.model._require_latch(joint.name)
         if plan["kind"] != "multiplier":
             _check.fail(
                 "joint",

@@ -275,6 +275,13 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("a", "(0, 0, 0)", lambda s: s.m.hinge((0, 0, 0))),
     ("a", "brick", lambda s: s.m.hinge(s.brick)),
     ("axis", "(0, 0, 0)", lambda s: s.m.hinge(s.brick.center, axis=(0, 0, 0))),
+    ("path", "rope", lambda s: s.m.slide_along(s.ball, "rope")),
+    ("path", "must be on it at the start", lambda s: s.m.slide_along(s.ball, s.rope)),
+    ("path", "must be on it at the start", lambda s: s.m.slide_along(s.ball, pl.Line((0, 1, 0), (1, 0, 0)))),
+    ("path", "CableNet", lambda s: s.m.slide_along(s.ball, s.net)),
+    ("point", "path itself", lambda s: s.m.slide_along(s.rope.end, s.rope)),
+    ("direction", "(0, 0, 0)", lambda s: s.m.slide_along(s.ball, pl.Line((0, 0, 5), (0, 0, 0)))),
+    ("path", "rigid body or of the world", lambda s: s.m.slide_along(s.ball, pl.Line(s.rope.end, (1, 0, 0)))),
     # release and engage
     ("at", "-1", lambda s: pinned(s).release(at=-1.0)),
     ("at", "nan", lambda s: pinned(s).engage(at=NAN)),
