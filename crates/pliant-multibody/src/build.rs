@@ -168,12 +168,11 @@ fn initial(
     Ok((q, v))
 }
 
+/// Joints with their names.
+type Drafts = Vec<(String, Box<dyn Draft>)>;
+
 /// The joints of a document, then the rigidity of each rigid body, over all coordinates.
-fn draft_joints(
-    spec: &ModelSpec,
-    map: &DofMap,
-    q: &[f64],
-) -> Result<Vec<(String, Box<dyn Draft>)>, ModelError> {
+fn draft_joints(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> Result<Drafts, ModelError> {
     let mut drafts = Vec::with_capacity(spec.joints.len() + map.rigid.len());
     for joint in &spec.joints {
         drafts.push((joint.points().0.to_owned(), draft(joint, map, q, None)?));
@@ -281,11 +280,7 @@ impl Builder<'_> {
     }
 
     /// Gives each joint its multipliers and its element matrix.
-    fn joints(
-        &mut self,
-        drafts: Vec<(String, Box<dyn Draft>)>,
-        length: f64,
-    ) -> (Vec<PlacedJoint>, Vec<f64>) {
+    fn joints(&mut self, drafts: Drafts, length: f64) -> (Vec<PlacedJoint>, Vec<f64>) {
         let mut joints = Vec::with_capacity(drafts.len());
         let mut scale = Vec::new();
         for (name, draft) in drafts {
