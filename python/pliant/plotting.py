@@ -95,7 +95,11 @@ class Picture:
         if self.norm is not None:
             label = COLORS.get(color, "") if isinstance(color, str) else ""
             self.figure.colorbar(
-                mpl.cm.ScalarMappable(self.norm, MAP), ax=self.axes, label=label, shrink=0.75, pad=0.02
+                mpl.cm.ScalarMappable(self.norm, MAP),
+                ax=self.axes,
+                label=label,
+                shrink=0.75,
+                pad=0.1 if self.in_space else 0.02,
             )
         self.artists: list[Any] = []
 
@@ -111,7 +115,6 @@ class Picture:
         # The limits are those of the whole motion, whatever is drawn of it.
         axes.update_datalim([self.low[self.shown], self.high[self.shown]])
         axes.autoscale_view()
-        axes.set_autoscale_on(False)
         return axes
 
     def _axes_in_space(self) -> Any:
