@@ -20,7 +20,7 @@ from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.materials import LinearElastic, SaintVenantKirchhoff, youngs_modulus_from_shore_a
 from pliant.model import Model
 from pliant.modes import Modes, solve_modes
-from pliant.points import Cable, CableNet, Joint, Load, Point, PointMass, RigidBody
+from pliant.points import Cable, CableNet, Joint, Line, Load, Point, PointMass, RigidBody
 from pliant.result import Result
 from pliant.sections import Circle, Rectangle, Section, Tube
 from pliant.shapes import Box, Capsule, Cylinder, Sphere
@@ -44,6 +44,7 @@ __all__ = [
     "FileError",
     "Input",
     "Joint",
+    "Line",
     "LinearElastic",
     "Load",
     "Model",

@@ -11,7 +11,7 @@ from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData
-from pliant.joints import JointData, Pair
+from pliant.joints import JointData, Pair, SlideCable
 from pliant.latches import Latch
 from pliant.loads import LineLoad, LoadData
 from pliant.points import (
@@ -101,6 +101,9 @@ class Contents:
             places.append((joint.a, (Point,)))
             if isinstance(joint, Pair):
                 places.append((joint.b, (Point, WorldPoint)))
+            elif isinstance(joint, SlideCable):
+                if not isinstance(self._bodies[joint.cable], LineBody):
+                    raise ModelError(f"joint '{joint.name}': '{joint.cable}' is no cable")
             else:
                 self._directed_point(joint.a, "point")
         for load in self._loads.values():
@@ -146,6 +149,11 @@ class Contents:
     def _add_load(self, load: LoadData) -> Load:
         self._loads[load.name] = load
         return Load(load.name, self._identity)
+
+    def _require_latch(self, joint: str) -> None:
+        """Refuse joints that cannot be released."""
+        if isinstance(self._joints.get(joint), SlideCable):
+            _check.fail("joint", joint, "slides along a cable: it cannot be released or engaged")
 
     def _latch(self, joint: str) -> Latch:
         """Tell when a joint holds."""

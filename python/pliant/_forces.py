@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from pliant.forces import ForceData, Spring
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Load, require_handle
 from pliant.readings import Reaction, SpringForce, Strain
+from pliant.records import by_blocks
 from pliant.signals import scaled
 from pliant.typing import FloatArray
 
@@ -45,10 +47,14 @@ class Forces(Lookup):
         if plan["kind"] == "multiplier":
             force, moment = zero, zero.copy()
             for rows, switch in self._poses(plan["index"]):
-                time, q, lambda_ = (array[rows] for array in (records.time, records.q, records.lambda_))
                 with translated():
-                    found = self._system.reaction(plan["index"], time, q, lambda_, switch)
-                force[rows], moment[rows] = found
+                    force[rows], moment[rows] = by_blocks(
+                        partial(self._system.reaction, plan["index"], switch=switch),
+                        records.time,
+                        records.q,
+                        records.lambda_,
+                        rows=rows,
+                    )
             return Reaction(force, moment)
         return Reaction(self._shared_force(plan), zero)
 
@@ -88,8 +94,9 @@ class Forces(Lookup):
         inner = [(name, int(node)) for name, node in plan["nodes"]]
         for name, node in inner:
             with translated():
-                total += self._system.nodal_force(
-                    self._lowered.cables[name], node, records.q, records.v, records.a
+                cable = self._lowered.cables[name]
+                total += by_blocks(
+                    partial(self._system.nodal_force, cable, node), records.q, records.v, records.a
                 )
         for name in plan["masses"]:
             mass = self.model._bodies[name]
@@ -143,7 +150,9 @@ class Forces(Lookup):
         """Axial force [N] at mid-element, (n, elements); of a net the mean in each cable, (n, cables)."""
         data, name = self._line(body)
         with translated():
-            force = self._system.axial_force(self._lowered.cables[name], self._records.q)
+            force: FloatArray = by_blocks(
+                partial(self._system.axial_force, self._lowered.cables[name]), self._records.q
+            )
         if data.kind == "cable":
             return force
         starts = np.concatenate([[0], np.cumsum(data.strands)[:-1]])
@@ -155,5 +164,7 @@ class Forces(Lookup):
         """Axial strain (n, elements) and curvature vector [1/m] (n, elements, 3) at mid-element."""
         _, name = self._line(body)
         with translated():
-            axial, curvature = self._system.strain(self._lowered.cables[name], self._records.q)
+            axial, curvature = by_blocks(
+                partial(self._system.strain, self._lowered.cables[name]), self._records.q
+            )
         return Strain(axial, curvature)

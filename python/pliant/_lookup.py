@@ -13,7 +13,7 @@ from pliant.bodies import LineBody
 from pliant.errors import translated
 from pliant.points import Handle, Joint, Point, WorldPoint, require_handle
 from pliant.readings import CriticalPoint, Statistics
-from pliant.records import Records
+from pliant.records import Records, Rows, by_blocks
 from pliant.rigid import RigidBodyData
 from pliant.typing import FloatArray, IntArray, Json
 
@@ -44,8 +44,13 @@ class Lookup:
         self._records = records
         self._lowered = lowered
         self._built = system
-        self.critical_points: tuple[CriticalPoint, ...] = ()
         self._known_offsets: dict[str, IntArray] = {}
+
+    @property
+    def critical_points(self) -> tuple[CriticalPoint, ...]:
+        """Of a static path: its limit points and bifurcations."""
+        known = self._lowered.critical
+        return tuple(CriticalPoint(kind, i, factor, np.array(x)) for kind, i, factor, x in known)
 
     @property
     def _system(self) -> System:
@@ -101,7 +106,7 @@ class Lookup:
                 )
         return self._known_offsets[name]
 
-    def _nodes(self, body: object, rows: FloatArray) -> FloatArray:
+    def _nodes(self, body: object, rows: Rows) -> FloatArray:
         name = self._name(body)
         data = self.model._bodies[name]
         if isinstance(data, LineBody):
@@ -114,7 +119,7 @@ class Lookup:
             offsets = self._offsets(name)[:, 0]
         return np.ascontiguousarray(rows[:, offsets[:, None] + np.arange(3)])
 
-    def _at(self, point: Point | WorldPoint, rows: FloatArray) -> FloatArray:
+    def _at(self, point: Point | WorldPoint, rows: Rows) -> FloatArray:
         assert isinstance(point, Point)
         data = self.model._bodies[point.body]
         if isinstance(data, RigidBodyData):
@@ -127,13 +132,16 @@ class Lookup:
         if point.node is not None:
             return np.ascontiguousarray(rows[:, offsets[data.first[point.node], 0]])
         first, weights = data.shape(point.element, point.xi)
-        places = (offsets[first, 0], offsets[first, 1], offsets[first + 1, 0], offsets[first + 1, 1])
-        value: FloatArray = sum(w * rows[:, place] for w, place in zip(weights, places, strict=True))
+        vectors = rows[:, offsets[first : first + 2].reshape(4, 3)]
+        value: FloatArray = sum(w * vectors[:, k] for k, w in enumerate(weights))
         return value
 
     def _momentum(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         with translated():
-            return self._system.momentum(self._records.q, self._records.v)
+            found: tuple[FloatArray, FloatArray, FloatArray] = by_blocks(
+                self._system.momentum, self._records.q, self._records.v
+            )
+            return found
 
     def _plan_of(self, joint: object) -> Json:
         """Tell how a joint is realised."""

@@ -21,6 +21,8 @@ from pliant.joints import (
     JointData,
     Pair,
     Pin,
+    SlideCable,
+    SlideLine,
     Slider,
     Universal,
     Weld,
@@ -48,7 +50,11 @@ EQUATIONS: dict[type, int] = {
     Cylindrical: 4,
     Universal: 4,
     Distance: 1,
+    SlideLine: 2,
+    SlideCable: 3,
 }
+
+KINDS: dict[type, str] = {SlideLine: "slide_line"}
 
 
 def lower(model: Model, state: Mapping[str, BodyState] | None = None) -> Lowered:
@@ -104,7 +110,7 @@ class _Lowering(Sharing):
         nodes = sum(len(body.users) for body in self.lines.values())
         out.coordinates = (
             6 * nodes - 3 * sum(map(len, self.rows.values())) + 3 * len(places) + 12 * len(self.rigid)
-        )
+        ) + sum(isinstance(joint, SlideCable) for joint in self.model._joints.values())
         return out
 
     def _equations(self, joint: JointData) -> int:
@@ -187,6 +193,7 @@ class _Lowering(Sharing):
     def _joints(self) -> list[Json]:
         documents: list[Json] = []
         plan = self.lowered.plan
+        slides = 0
         for name, joint in self.model._joints.items():
             if name in self.redundant:
                 plan[name] = {"kind": "redundant"}
@@ -199,6 +206,12 @@ class _Lowering(Sharing):
                     {"kind": "clamp", "name": name, "a": self._point(joint.a), "direction": None}
                 )
                 continue
+            if isinstance(joint, SlideCable):
+                cable, s = self.lowered.cables[joint.cable], self._arc_length(joint)
+                slide, slides = slides, slides + 1
+                place = {"a": self._point(joint.a), "cable": cable, "slide": slide, "s": s}
+                documents.append({"kind": "slide_cable", "name": name, **place})
+                continue
             b = joint.b
             if joint.here and isinstance(b, WorldPoint):
                 here = self._place(joint.a)
@@ -207,10 +220,17 @@ class _Lowering(Sharing):
             fields = {field.name: getattr(joint, field.name) for field in dataclasses.fields(joint)}
             del fields["here"]
             fields.update(a=self._point(joint.a), b=self._point(b))
-            documents.append({"kind": type(joint).__name__.lower(), **fields})
+            documents.append({"kind": KINDS.get(type(joint), type(joint).__name__.lower()), **fields})
         for name in self.tree:
             plan[name] = self._side(name)
         return documents
+
+    def _arc_length(self, joint: SlideCable) -> float:
+        """Arc length of a sliding point in the state that the run begins with."""
+        state = self.state[joint.cable]
+        body = dataclasses.replace(self.lines[joint.cable], r=state.r, t=state.t)
+        at = body.nearest(self._place(joint.a), self.model.identity)
+        return float(body.lengths[: at.element].sum() + at.xi * body.lengths[at.element])
 
     def _latches(self) -> list[Json]:
         """Joints that are released and engaged, or could be."""

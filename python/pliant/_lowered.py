@@ -59,6 +59,8 @@ class Lowered:
         Number of the core's force of each spring.
     grows : list of str or None
         What the load factor of a static run acted on: loads, "gravity"; None: everything.
+    critical : list
+        Critical points of a static path: kind, output, load factor, shape.
     plan : dict
         How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}``
         with what acts on the first body's side, or ``{"kind": "redundant"}``.
@@ -76,11 +78,25 @@ class Lowered:
     coordinates: int = 0
     multipliers: int = 0
     grows: list[str] | None = None
+    critical: list[tuple[str, int, float, list[float]]] = field(default_factory=list)
 
     @property
     def spec(self) -> str:
         """The document as text."""
         return json.dumps(self.document)
+
+    def to_map(self) -> Json:
+        """Write as JSON how the core's answers are read: all but the document and what stands beside it."""
+        beside = ("document", "arrays", "inputs")
+        return {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name not in beside}
+
+    @classmethod
+    def from_map(
+        cls, mapping: Json, document: Json, arrays: list[FloatArray], inputs: list[Input]
+    ) -> Lowered:
+        """Read what :meth:`to_map` wrote."""
+        held = {name: (first, initial) for name, (first, initial) in mapping["held"].items()}
+        return cls(**{**mapping, "held": held}, document=document, arrays=arrays, inputs=inputs)
 
     @property
     def held_values(self) -> FloatArray:

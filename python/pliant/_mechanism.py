@@ -8,10 +8,21 @@ import numpy as np
 
 from pliant import _check
 from pliant._contents import Contents
-from pliant.bodies import MassBody
-from pliant.joints import Axis, Cylindrical, Distance, Hinge, Slider, Universal, Weld, axis_of
-from pliant.points import Joint, Point, RigidBody, WorldPoint
-from pliant.rigid import make_rigid_body
+from pliant.bodies import LineBody, MassBody
+from pliant.joints import (
+    Axis,
+    Cylindrical,
+    Distance,
+    Hinge,
+    SlideCable,
+    SlideLine,
+    Slider,
+    Universal,
+    Weld,
+    axis_of,
+)
+from pliant.points import Cable, Joint, Line, Point, RigidBody, WorldPoint
+from pliant.rigid import RigidBodyData, make_rigid_body
 from pliant.shapes import Shape
 from pliant.typing import ArrayLike
 
@@ -357,6 +368,59 @@ class Mechanism(Contents):
         return self._add_joint(
             Distance(self._new_name(name, "distance"), first, second, False, at_start), engaged, a, b
         )
+
+    def slide_along(self, point: Any, path: Any, *, name: str | None = None) -> Joint:
+        """Let a point slide along a cable or a straight line, without friction.
+
+        A run that brings the point to an end of the cable stops with an error that tells where and when.
+
+        Parameters
+        ----------
+        point : Point or body
+            The point, on the path at the start; of a bare rigid body its centre.
+        path : Cable or Line
+            The cable, any of its elements, or the line.
+
+        Returns
+        -------
+        Joint
+            Handle for ``result.reaction``, the force on the point, and for ``result.joint``, whose position
+            is the arc length: of the cable's stress-free line from its start, or from the line's point.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> bead = model.add_point_mass(1.0, at=(0, 0, 0))
+        >>> wire = model.slide_along(bead, pl.Line((0, 0, 0), (1, 0, -1)))
+        >>> result = pl.simulate(model, duration=1.0, step=0.01)
+        >>> print(f"{result.joint(wire).position[-1]:.3f}")
+        3.468
+        """
+        first = self._point(point, "point")
+        if isinstance(path, Line):
+            other = self._other(path.point, "path")
+            if isinstance(other, Point) and not isinstance(self._bodies[other.body], RigidBodyData):
+                _check.fail("path", path, "the line's point must be of a rigid body or of the world")
+            axis = axis_of(path.direction, "direction")
+            arm = self._position(first) - self._position(other)
+            self._require_on_path(float(np.linalg.norm(np.cross(arm, axis))), path)
+            joint = SlideLine(self._new_name(name, "slide"), first, other, False, axis)
+            return self._add_joint(joint, True, path.point)
+        if not isinstance(path, Cable):
+            _check.fail("path", path, "must be a cable or a pliant.Line")
+        body = self._body(path, "path")
+        if not isinstance(body, LineBody) or body.closed or len(body.strands) != 1:
+            _check.fail("path", path, "must be a cable with two ends")
+        if first.body == body.name:
+            _check.fail("point", point, "is a point of the path itself")
+        nearest = body.nearest(self._position(first), self._identity)
+        self._require_on_path(float(np.linalg.norm(self._position(nearest) - self._position(first))), path)
+        return self._add_joint(SlideCable(self._new_name(name, "slide"), first, body.name))
+
+    def _require_on_path(self, gap: float, path: object) -> None:
+        if gap > 1e-6 * self._size():
+            _check.fail("path", path, f"the point must be on it at the start, but is {gap:.6g} m away")
 
     def _require_directions(
         self, a: Point, b: Point | WorldPoint, given_a: object, given_b: object, *, lines: bool = False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from pliant import _check
@@ -12,7 +14,7 @@ from pliant.errors import translated
 from pliant.joints import Hinge
 from pliant.points import Handle, Joint, Point, PointMass, RigidBody
 from pliant.readings import Energy, JointMotion, Track
-from pliant.records import State
+from pliant.records import State, by_blocks
 from pliant.typing import FloatArray
 
 __all__ = ["Motion"]
@@ -68,17 +70,21 @@ class Motion(Lookup):
         plan = self._plan_of(joint)
         motion = None
         if plan["kind"] == "multiplier":
-            records = self._records
+            q, v = self._records.q, self._records.v
             for rows, switch in self._poses(plan["index"]):
+                read = partial(self._system.joint_motion, plan["index"], switch=switch)
                 with translated():
-                    part = self._system.joint_motion(plan["index"], records.q[rows], records.v[rows], switch)
-                if part is None:
-                    break
-                if motion is None:
-                    motion = np.zeros((len(records.time), 2))
-                motion[rows] = part
+                    if read(q[:1], v[:1]) is None:
+                        break
+                    if motion is None:
+                        motion = np.zeros((len(q), 2))
+                    motion[rows] = by_blocks(read, q, v, rows=rows)
         if motion is None:
-            _check.fail("joint", joint, "must be a hinge or a slider, whose freedom is one number")
+            _check.fail(
+                "joint",
+                joint,
+                "must be a hinge, a slider or a point that slides along a path: its freedom is one number",
+            )
         if isinstance(self.model._joints[joint.name], Hinge):
             motion[:, 0] = np.unwrap(motion[:, 0])
         return JointMotion(*np.ascontiguousarray(motion.T))
@@ -104,7 +110,7 @@ class Motion(Lookup):
     @property
     def energy(self) -> Energy:
         """Energies [J], each (n,)."""
-        return Energy(*np.ascontiguousarray(self._records.energy.T))
+        return Energy(*np.ascontiguousarray(self._records.energy[:].T))
 
     @property
     def momentum(self) -> FloatArray:

@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,11 +15,14 @@ import numpy as np
 from pliant import _check
 from pliant._lower import lower
 from pliant._lowered import Lowered
-from pliant.bodies import LineBody
-from pliant.errors import ConvergenceError, ModelError, translated
+from pliant.bodies import LineBody, MassBody
+from pliant.checkpoints import read
+from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.model import Model
 from pliant.readings import Statistics
 from pliant.records import Records, State
+from pliant.result import Result
+from pliant.storage import is_result, load
 from pliant.typing import FloatArray
 
 if TYPE_CHECKING:
@@ -31,8 +35,9 @@ __all__ = [
     "build",
     "multipliers",
     "name_node",
-    "progress_bar",
+    "output_path",
     "require_model",
+    "require_state",
     "start_vectors",
     "thread_count",
     "warn_of_projection",
@@ -45,6 +50,18 @@ def require_model(model: object) -> Model:
     if not model._bodies:
         _check.fail("model", model, "has no bodies; add one, such as model.add_cable(...)")
     return model
+
+
+def output_path(output: object) -> Path | None:
+    """Return the path of a result file that is to be written."""
+    if output is None:
+        return None
+    if not isinstance(output, (str, os.PathLike)) or not os.fspath(output):
+        _check.fail("output", output, "must be the path of a result file, such as 'run.h5'")
+    path = Path(os.fsdecode(output))
+    if not path.parent.is_dir():
+        raise FileError(f"{path}: cannot be written: there is no such folder")
+    return path
 
 
 def thread_count(threads: int | None) -> int:
@@ -151,21 +168,6 @@ class CallableInputs:
             raise
 
 
-@contextmanager
-def progress_bar(progress: bool | None, total: int) -> Iterator[Callable[[int], object]]:
-    if progress or (progress is None and sys.stderr is not None and sys.stderr.isatty()):
-        try:
-            from tqdm import tqdm
-        except ImportError as error:
-            if progress:
-                raise ImportError('the progress bar needs tqdm: pip install "pliant[progress]"') from error
-        else:
-            with tqdm(total=total, leave=False, file=sys.stderr) as bar:
-                yield bar.update
-            return
-    yield lambda _: None
-
-
 def warn_of_projection(
     integrator: Integrator, system: System, lowered: Lowered, v: FloatArray, state: State | None
 ) -> None:
@@ -215,3 +217,37 @@ def as_statistics(raw: dict[str, Any]) -> Statistics:
         key: raw[key] for key in ("steps", "rejected", "newton_iterations", "factorizations") if key in raw
     }
     return Statistics(**known, seconds=dict(raw.get("seconds", {})), peak_memory=memory)
+
+
+def require_state(start: object, name: str, model: Model) -> State:
+    """Return ``start`` as a state whose bodies are those of the model; a path is that of a file of a run."""
+    if isinstance(start, (str, os.PathLike)):
+        start = load(start) if is_result(start) else read(start).state
+    if isinstance(start, Result):
+        if not len(start.time):
+            _check.fail(name, start, "holds no state")
+        start = start.state(-1)
+    if not isinstance(start, State):
+        _check.fail(name, start, "must be a Result, result.state(i), or the path of a result or checkpoint")
+    ours, theirs = (
+        {
+            key: (body.kind, body.nodes, tuple(body.strands))
+            if isinstance(body, LineBody)
+            else ("mass", body.at)
+            if isinstance(body, MassBody)
+            else ("rigid", body.mass)
+            for key, body in m._bodies.items()
+        }
+        for m in (model, start.model)
+    )
+    for key in {**theirs, **ours}:
+        if ours.get(key) != theirs.get(key):
+            raise ModelError(
+                f"{name}: bodies must be the same in both models, but '{key}' "
+                + (
+                    "is missing in one"
+                    if key not in ours or key not in theirs
+                    else "differs in kind or in elements"
+                )
+            )
+    return start

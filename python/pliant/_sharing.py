@@ -12,7 +12,7 @@ from pliant._lowered import BodyState, Lowered, initial_state
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData
-from pliant.joints import Clamp, Pair, Pin
+from pliant.joints import Clamp, Pair, Pin, SlideCable
 from pliant.loads import Force, Moment
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
@@ -136,8 +136,10 @@ class Sharing:
         for joint in self.model._joints.values():
             points = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
             inside += [p for p in points if isinstance(p, Point) and p.node is None]
+        slid = {j.cable for j in self.model._joints.values() if isinstance(j, SlideCable)}
+        on_path = {(name, node) for name in slid for node in range(self.lines[name].nodes)}
         inside += [m.at for m in self.masses.values() if m.at is not None and m.at.node is None]
-        nodes: set[Node] = set()
+        nodes: set[Node] = on_path
         for point in inside:
             body = self.lines.get(point.body)
             if body is not None:

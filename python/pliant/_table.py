@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import html
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pliant.bodies import LineBody
 from pliant.forces import ForceData
-from pliant.joints import Pair
+from pliant.joints import Pair, SlideCable
 from pliant.loads import Force, LineLoad
 from pliant.redundancy import redundancies
 from pliant.rigid import RigidBodyData
@@ -18,9 +20,32 @@ from pliant.signals import Constant, Signal
 if TYPE_CHECKING:
     from pliant.model import Model
 
+MOST = 60  # rows in a notebook
+
 
 def describe(model: Model) -> str:
     """Bodies, joints and loads of a model, one a line."""
+    head, rows = _contents(model)
+    widths = [max((len(row[k]) for row in rows), default=0) for k in (0, 1)]
+    return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
+
+
+def table(head: str, rows: Iterable[Iterable[object]]) -> str:
+    """Write a table for notebooks."""
+    cell = "<td style='text-align:left;padding:2px 10px'>"
+    lines = ("".join(f"{cell}{html.escape(str(item))}</td>" for item in row) for row in rows)
+    return f"<p>{html.escape(head)}</p><table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+
+
+def describe_as_html(model: Model) -> str:
+    """Bodies, joints and loads of a model as a table; of a long one the beginning."""
+    head, rows = _contents(model)
+    more = [("...", f"{len(rows) - MOST} more", "")] if len(rows) > MOST else []
+    return table(head, [*rows[:MOST], *more])
+
+
+def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
+    """Give the headline and the rows: name, kind, what there is to say."""
     from pliant._lower import lower
 
     lowered = lower(model)
@@ -42,6 +67,8 @@ def describe(model: Model) -> str:
             rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))
     for name, joint in model._joints.items():
         text = f"{joint.a} to {joint.b}" if isinstance(joint, Pair) else str(joint.a)
+        if isinstance(joint, SlideCable):
+            text += f" along {joint.cable}"
         how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": ""}[
             lowered.plan[name]["kind"]
         ]
@@ -69,12 +96,11 @@ def describe(model: Model) -> str:
             )
         else:
             rows.append((name, "moment", f"{_value(load.value)} N m at {load.at}"))
-    widths = [max((len(row[k]) for row in rows), default=0) for k in (0, 1)]
     head = (
         f"Model: gravity ({', '.join(f'{g:g}' for g in model.gravity)}) m/s^2, "
         f"{lowered.coordinates} coordinates, {lowered.multipliers} constraints"
     )
-    return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
+    return head, rows
 
 
 def _value(signal: Signal) -> str:

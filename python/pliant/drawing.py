@@ -1,45 +1,143 @@
-"""Results as polylines: what the pictures and the page are drawn from."""
+"""What results look like: lines, surfaces, solids, markers and arrows, from which every picture is made.
+
+A body of a new kind needs one function here, entered in ``LOOKS``: pictures, pages, films and files for
+ParaView show what it returns.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pliant import _check
-from pliant.bodies import LineBody, hermite
+from pliant.bodies import LineBody, MassBody, hermite
+from pliant.loads import Force
+from pliant.points import Joint, Point
 from pliant.rigid import RigidBodyData
-from pliant.shapes import Shape
-from pliant.typing import FloatArray, IntArray
+from pliant.signals import scaled
+from pliant.typing import ArrayLike, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from pliant.result import Result
 
-__all__ = ["COLORS", "Drawing", "draw", "frames_of"]
+__all__ = [
+    "COLORS",
+    "Arrows",
+    "Drawing",
+    "Lines",
+    "Marker",
+    "Solid",
+    "Surface",
+    "arrows",
+    "draw",
+    "frames_of",
+    "joint_points",
+    "up_of",
+]
 
 COLORS = {"strain": "axial strain", "axial_force": "axial force [N]", "speed": "speed [m/s]"}
+Values = Mapping[str, FloatArray]
 
 
-@dataclass(frozen=True)
-class Drawing:
-    """One body as polylines.
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Cables: polylines with a thickness.
 
     Attributes
     ----------
     points : (frames, p, 3)
-        Points along the strands [m], one strand after the other; a single point for a mass.
+        Points along the strands [m], one strand after the other.
     strands : (k,)
         Number of points of each strand.
-    values : dict of (frames, p)
+    radius : float
+        Radius [m].
+    values : dict of (frames, p) or (frames, p, 3)
         Quantities by name.
     """
 
     name: str
     points: FloatArray
     strands: IntArray
-    values: dict[str, FloatArray]
     radius: float
+    values: Values
+
+    @property
+    def pieces(self) -> IntArray:
+        """First points of the straight pieces, whose second points follow."""
+        return np.setdiff1d(np.arange(self.points.shape[1]), np.cumsum(self.strands) - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface that deforms: points (frames, p, 3), triangles (t, 3), values (frames, p)."""
+
+    name: str
+    points: FloatArray
+    triangles: IntArray
+    values: Values
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A rigid shape.
+
+    Attributes
+    ----------
+    points, normals : (p, 3)
+        In body axes [m].
+    triangles : (t, 3)
+        Corners.
+    outline : list of (k, 3)
+        Edges in body axes [m].
+    place : (frames, 3)
+        Centre [m].
+    axes : (frames, 3, 3)
+        Body axes, one a row.
+    rates : (frames, 4, 3)
+        Velocity of the centre [m/s], rates of the axes [1/s].
+    """
+
+    name: str
+    points: FloatArray
+    normals: FloatArray
+    triangles: IntArray
+    outline: list[FloatArray]
+    place: FloatArray
+    axes: FloatArray
+    rates: FloatArray
+    values: Values
+
+    def at(self, frame: int, points: FloatArray | None = None) -> FloatArray:
+        """Place points of the body, by default its own, at a time, (p, 3)."""
+        own = self.points if points is None else points
+        world: FloatArray = self.place[frame] + own @ self.axes[frame]
+        return world
+
+
+@dataclass(frozen=True, eq=False)
+class Marker:
+    """Points without a size of their own, (frames, p, 3)."""
+
+    name: str
+    points: FloatArray
+    values: Values = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """A force over time: kind "force" or "reaction", feet (frames, 3) [m], vectors (frames, 3) [N]."""
+
+    name: str
+    kind: str
+    feet: FloatArray
+    vectors: FloatArray
+    moments: FloatArray
+
+
+Drawing = Lines | Surface | Solid | Marker
 
 
 def frames_of(result: Result, most: int) -> IntArray:
@@ -51,49 +149,31 @@ def frames_of(result: Result, most: int) -> IntArray:
     return np.unique(np.clip(np.searchsorted(result.time, wanted - 1e-12), 0, n - 1))
 
 
-def draw(result: Result, frames: IntArray, color: Any = None, points: int = 4000) -> list[Drawing]:
+def draw(
+    result: Result, frames: IntArray, color: str | ArrayLike | None = None, points: int = 4000
+) -> list[Drawing]:
     """Every body at these outputs, with about so many points of lines in all.
 
-    ``color`` may be a name, or (n, nodes) values of the only body; these come under the name ``"color"``.
+    ``color`` may be a name, or (n, nodes) values of the only flexible body; these come under the name
+    ``"color"``.
     """
+    bodies = result.model._bodies
+    given: FloatArray | None = None
     if color is not None and not isinstance(color, str):
-        lines = [name for name, body in result.model._bodies.items() if isinstance(body, LineBody)]
-        if len(lines) != 1:
-            _check.fail("color", color, f"an array colours a single cable, and the model has {len(lines)}")
-        nodes = result.model._bodies[lines[0]].nodes  # type: ignore[union-attr]
-        color = _check.array(color, "color", (len(result.time), nodes))
+        flexible = [body for body in bodies.values() if hasattr(body, "nodes")]
+        if len(flexible) != 1:
+            _check.fail("color", color, f"an array colours a single cable, and the model has {len(flexible)}")
+        given = _check.array(color, "color", (len(result.time), flexible[0].nodes))[frames]
     elif color is not None:
         _check.choice(color, "color", COLORS)
-    elements = sum(b.elements for b in result.model._bodies.values() if isinstance(b, LineBody))
+    elements = sum(b.elements for b in bodies.values() if isinstance(b, LineBody))
     fine = int(np.clip(points // max(elements, 1), 1, 8))
-    drawings = []
-    for name, body in result.model._bodies.items():
-        if isinstance(body, LineBody):
-            drawings.append(_line(result, name, body, frames, fine, color))
-        elif isinstance(body, RigidBodyData) and body.shape is not None:
-            drawings.append(_rigid(result, name, body.shape, frames))
-        else:
-            place = result.positions(name)[frames]
-            speed = np.linalg.norm(result.velocities(name)[frames], axis=2)
-            drawings.append(Drawing(name, place, np.array([1]), {"speed": speed}, 0.0))
-    return drawings
+    return [LOOKS[type(body)](result, name, frames, fine, given) for name, body in bodies.items()]
 
 
-def _rigid(result: Result, name: str, shape: Shape, frames: IntArray) -> Drawing:
-    """Outline of a rigid body."""
-    outline = np.concatenate(shape.outline)
-    weights = np.column_stack([np.ones(len(outline)), outline])
-    index = result._offsets(name) + np.arange(3)
-    points, speeds = (
-        np.einsum("pi,nik->npk", weights, rows[frames][:, index])
-        for rows in (result._records.q, result._records.v)
-    )
-    strands = np.array([len(line) for line in shape.outline])
-    return Drawing(name, points, strands, {"speed": np.linalg.norm(speeds, axis=2)}, 0.0)
-
-
-def _line(result: Result, name: str, body: LineBody, frames: IntArray, fine: int, color: Any) -> Drawing:
+def _line(result: Result, name: str, frames: IntArray, fine: int, given: FloatArray | None) -> Drawing:
     """Polylines of a cable or a net, ``fine`` pieces an element."""
+    body = result._body(name)
     offsets = result._offsets(name)[:, :, None] + np.arange(3)
     first = body.element_nodes
     x = np.arange(fine) / fine
@@ -114,24 +194,123 @@ def _line(result: Result, name: str, body: LineBody, frames: IntArray, fine: int
         return out
 
     def by_element(rows: FloatArray) -> FloatArray:
-        out = np.empty((len(rows), int(strands.sum())))
+        out = np.empty((len(rows), int(strands.sum()), *rows.shape[2:]))
         out[:, inner] = np.repeat(rows, fine, axis=1)
         out[:, last] = rows[:, np.cumsum(body.strands) - 1]
         return out
 
-    records = result._records
-    force = result._system.axial_force(result._lowered.cables[name], records.q[frames])
-    strain = result._system.strain(result._lowered.cables[name], records.q[frames])[0]
+    q, v = result._records.q[frames], result._records.v[frames]
+    cable = result._lowered.cables[name]
+    strain, curvature = result._system.strain(cable, q)
+    velocity = spread(v)
     values = {
         "strain": by_element(strain),
-        "axial_force": by_element(force),
-        "speed": np.linalg.norm(spread(records.v[frames]), axis=2),
+        "axial_force": by_element(result._system.axial_force(cable, q)),
+        "speed": np.linalg.norm(velocity, axis=2),
+        "velocity": velocity,
+        "curvature": by_element(curvature),
     }
-    if isinstance(color, np.ndarray):
-        nodes = color[frames][:, body.users]
+    if given is not None:
+        nodes = given[:, body.users]
         out = np.empty((len(frames), int(strands.sum())))
         mixed = (1 - x) * nodes[:, first, None] + x * nodes[:, first + 1, None]
         out[:, inner] = mixed.reshape(len(frames), -1)
         out[:, last] = nodes[:, ends]
         values["color"] = out
-    return Drawing(name, spread(records.q[frames]), strands, values, float(body.radius.mean()))
+    return Lines(name, spread(q), strands, float(body.radius.mean()), values)
+
+
+def _rigid(result: Result, name: str, frames: IntArray, fine: int, given: FloatArray | None) -> Drawing:
+    """Shape of a rigid body, or a marker where it has none."""
+    body = result.model._bodies[name]
+    assert isinstance(body, RigidBodyData)
+    if body.shape is None:
+        return _mass(result, name, frames, fine, given)
+    index = result._offsets(name) + np.arange(3)
+    q, v = (rows[frames][:, index] for rows in (result._records.q, result._records.v))
+    surface = body.shape.surface
+    weights = np.column_stack([np.ones(len(surface.points)), surface.points])
+    velocity = np.einsum("pi,nik->npk", weights, v)
+    values = {"speed": np.linalg.norm(velocity, axis=2), "velocity": velocity}
+    return Solid(name, *surface, body.shape.outline, q[:, 0], q[:, 1:], v, values)
+
+
+def _mass(result: Result, name: str, frames: IntArray, fine: int, given: FloatArray | None) -> Drawing:
+    """Marker at a point."""
+    velocity = result._nodes(name, result._records.v[frames])
+    values = {"speed": np.linalg.norm(velocity, axis=2), "velocity": velocity}
+    return Marker(name, result._nodes(name, result._records.q[frames]), values)
+
+
+LOOKS: dict[type, Callable[[Any, str, IntArray, int, FloatArray | None], Drawing]] = {
+    LineBody: _line,
+    RigidBodyData: _rigid,
+    MassBody: _mass,
+}
+"""Look of each kind of body: (result, name, frames, pieces an element, given values) to what is drawn."""
+
+
+def arrows(result: Result, frames: IntArray) -> list[Arrows]:
+    """Collect forces that act at points, and what joints exert on their first bodies."""
+    model = result.model
+    rows = result._records[frames]
+    found = []
+    for name, load in model._loads.items():
+        if isinstance(load, Force):
+            factors = rows.time if result.is_static else np.ones(len(rows.time))
+            held = [result._held(int(i)) for i in frames]
+            pairs = zip(rows.time, factors, held, strict=True)
+            vectors = np.array([scaled(load.value, float(t), float(f), h) for t, f, h in pairs])
+            if load.follower:
+                vectors = _followed(result, load, rows.q[:], vectors)
+            feet = result._at(load.at, rows.q)
+            found.append(Arrows(name, "force", feet, vectors, np.zeros_like(vectors)))
+    part = result._part(rows)
+    for name, joint in model._joints.items():
+        if name in result._lowered.plan:
+            reaction = part.reaction(Joint(name, model.identity))
+            feet = result._at(joint.a, rows.q)
+            found.append(Arrows(name, "reaction", feet, reaction.force, reaction.moment))
+    return found
+
+
+def _followed(result: Result, load: Force, q: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Turn forces with a rigid body, or with a tangent in its plane with the force at the start."""
+    body = result.model._bodies[load.at.body]
+    offsets = result._offsets(load.at.body)
+    turned: FloatArray
+    if isinstance(body, RigidBodyData):
+        axes = q[:, offsets[1:] + np.arange(3)]
+        turned = np.einsum("nk,nki->ni", vectors @ body.axes.T, axes)
+        return turned
+    assert isinstance(body, LineBody)
+    at = load.at
+    length, xi = float(body.lengths[at.element]), at.xi
+    nodes = q[:, offsets[body.element_nodes[at.element] + np.arange(2)][:, :, None] + np.arange(3)]
+    slope = (
+        6 * xi * (1 - xi) / length * (nodes[:, 1, 0] - nodes[:, 0, 0])
+        + (1 - 4 * xi + 3 * xi**2) * nodes[:, 0, 1]
+        + (3 * xi**2 - 2 * xi) * nodes[:, 1, 1]
+    )
+    t = slope / np.linalg.norm(slope, axis=1)[:, None]
+    t_0 = body.tangent(at.element, xi)
+    t_0 = t_0 / np.linalg.norm(t_0)
+    turned = (vectors @ t_0)[:, None] * t + np.cross(np.cross(t_0, vectors), t)
+    return turned
+
+
+def joint_points(result: Result, frames: IntArray) -> dict[str, FloatArray]:
+    """Find the places of the joints, (frames, 3) by name."""
+    q = result._records.q[frames]
+    return {
+        name: result._at(joint.a, q)
+        for name, joint in result.model._joints.items()
+        if isinstance(joint.a, Point)
+    }
+
+
+def up_of(result: Result) -> FloatArray:
+    """Tell where up is: against gravity, else along z."""
+    gravity = result.model.gravity
+    size = float(np.linalg.norm(gravity))
+    return -gravity / size if size > 0 else np.array([0.0, 0.0, 1.0])

@@ -22,6 +22,8 @@ __all__ = [
     "JointData",
     "Pair",
     "Pin",
+    "SlideCable",
+    "SlideLine",
     "Slider",
     "Universal",
     "Weld",
@@ -108,8 +110,39 @@ class Distance(Pair):
         _check.number(self.length, "length", above=0)
 
 
-JointData = Pair | Clamp
-JOINTS: tuple[type[JointData], ...] = (Pin, Clamp, Weld, Hinge, Slider, Cylindrical, Universal, Distance)
+@dataclass(frozen=True)
+class SlideLine(Pair):
+    """A point slides along a straight line."""
+
+    axis: Axis = (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SlideCable:
+    """A point slides along a cable."""
+
+    name: str
+    a: Point
+    cable: str
+
+    def __post_init__(self) -> None:
+        _check.text(self.name, "name")
+        _check.text(self.cable, "cable")
+
+
+JointData = Pair | Clamp | SlideCable
+JOINTS: tuple[type[JointData], ...] = (
+    Pin,
+    Clamp,
+    Weld,
+    Hinge,
+    Slider,
+    Cylindrical,
+    Universal,
+    Distance,
+    SlideLine,
+    SlideCable,
+)
 
 
 def axis_of(value: Any, name: str) -> Axis:

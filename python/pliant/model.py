@@ -501,6 +501,11 @@ class Model(Drives):
 
         return describe(self)
 
+    def _repr_html_(self) -> str:
+        from pliant._table import describe_as_html
+
+        return describe_as_html(self)
+
     # Copies and files
 
     def copy(self) -> Model:

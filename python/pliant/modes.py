@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,13 +10,21 @@ import numpy as np
 
 from pliant import _check
 from pliant._linear import smallest_eigenvalues
-from pliant._running import CallableInputs, build, multipliers, require_model, start_vectors
+from pliant._running import (
+    CallableInputs,
+    build,
+    multipliers,
+    require_model,
+    require_state,
+    start_vectors,
+)
+from pliant._table import table
 from pliant.errors import translated
 from pliant.model import Model
 from pliant.points import Handle
 from pliant.readings import Statistics
 from pliant.records import Records, State
-from pliant.result import Result, require_state
+from pliant.result import Result
 from pliant.statics import growing
 from pliant.typing import FloatArray
 
@@ -48,6 +57,16 @@ class Modes:
     stable: bool
     _result: Result
 
+    def __repr__(self) -> str:
+        lowest = ", ".join(f"{f:.4g}" for f in self.frequencies[:4])
+        more = ", ..." if len(self.frequencies) > 4 else ""
+        return f"<Modes: {lowest}{more} Hz, {'stable' if self.stable else 'unstable'}>"
+
+    def _repr_html_(self) -> str:
+        pairs = zip(self.frequencies, self.eigenvalues, strict=True)
+        rows = [(k, f"{f:.6g} Hz", f"{value:.6g} 1/s") for k, (f, value) in enumerate(pairs)]
+        return table("Modes, stable" if self.stable else "Modes, unstable", rows)
+
     @property
     def damping_ratios(self) -> FloatArray:
         """Damping ratios -real(s) / abs(s), (count,): 1 at and above critical damping, 0 where s is 0."""
@@ -60,7 +79,10 @@ class Modes:
         return self._result._nodes(body, self.shapes)
 
 
-def solve_modes(model: Model, count: int = 10, about: Result | State | None = None) -> Modes:
+PathLike = str | os.PathLike[str]
+
+
+def solve_modes(model: Model, count: int = 10, about: Result | State | PathLike | None = None) -> Modes:
     """Find the slowest small motions about a state at rest.
 
     Parameters

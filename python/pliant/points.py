@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +16,18 @@ if TYPE_CHECKING:
     from pliant._contents import Contents
     from pliant.bodies import LineBody
 
-__all__ = ["Cable", "CableNet", "Handle", "Joint", "Load", "Point", "PointMass", "RigidBody", "WorldPoint"]
+__all__ = [
+    "Cable",
+    "CableNet",
+    "Handle",
+    "Joint",
+    "Line",
+    "Load",
+    "Point",
+    "PointMass",
+    "RigidBody",
+    "WorldPoint",
+]
 
 
 @dataclass(frozen=True)
@@ -75,6 +86,28 @@ class WorldPoint:
 
     def __str__(self) -> str:
         return "world ({:.6g}, {:.6g}, {:.6g})".format(*self.position)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line, for :meth:`Model.slide_along`.
+
+    Parameters
+    ----------
+    point : Point, RigidBody or array_like, shape (3,)
+        A point of the line: of a rigid body, with which it moves and turns, or of the world [m].
+    direction : array_like, shape (3,)
+        Its direction at the start, in world axes.
+
+    Examples
+    --------
+    >>> import pliant as pl
+    >>> pl.Line((0, 0, 1), (1, 0, 0)).direction
+    (1, 0, 0)
+    """
+
+    point: Any
+    direction: Any
 
 
 @dataclass(frozen=True)
@@ -146,6 +179,7 @@ class Joint(Handle):
     def _schedule(self, one: LatchEvent) -> Joint:
         if self._model is None:
             raise ModelError(f"joint = {self.name!r}: take the handle of a model: model[name] gives it")
+        self._model._require_latch(self.name)
         latches = self._model._latches
         latches[self.name] = require_known(latches, self.name).with_event(one)
         return self

@@ -2,37 +2,88 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Protocol
 
 import numpy as np
 
 from pliant._lowered import BodyState
 from pliant.model import Model
-from pliant.typing import FloatArray
+from pliant.typing import FloatArray, IntArray
 
-__all__ = ["Records", "State"]
+__all__ = ["Records", "Rows", "State", "StoredRows", "by_blocks"]
+
+BLOCK = 1 << 25  # bytes of stored rows that are in memory at a time
+
+
+class StoredRows(Protocol):
+    """Rows that are not in memory: an index reads them, as NumPy would give them."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, key: Any) -> FloatArray: ...
+
+
+Rows = FloatArray | StoredRows
 
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """Raw arrays of a run, one row an output.
+    """Raw rows of a run, one an output: in memory, or read from a file when asked for.
 
     ``history`` has a row for each time a joint was engaged or released, ``switches`` tells how many of them
     lie before each output.
     """
 
     time: FloatArray
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
-    lambda_: FloatArray
-    energy: FloatArray
-    inputs: FloatArray
-    outputs: FloatArray
+    q: Rows
+    v: Rows
+    a: Rows
+    lambda_: Rows
+    energy: Rows
+    inputs: Rows
+    outputs: Rows
     switches: FloatArray = field(default_factory=lambda: np.zeros(0))
     history: FloatArray = field(default_factory=lambda: np.zeros((0, 5)))
+
+    def __post_init__(self) -> None:
+        if len(self.switches) != len(self.time):
+            object.__setattr__(self, "switches", np.zeros(len(self.time)))
+
+    def columns(self) -> Iterator[tuple[str, Rows]]:
+        """Give names and rows of all that has one row an output."""
+        return ((entry.name, getattr(self, entry.name)) for entry in fields(self) if entry.name != "history")
+
+    def __getitem__(self, rows: slice | IntArray) -> Records:
+        """Read some of the rows."""
+        return Records(**{name: column[rows] for name, column in self.columns()}, history=self.history)
+
+
+def by_blocks(function: Callable[..., Any], *columns: Rows, rows: slice | IntArray = slice(None)) -> Any:
+    """Apply a function that works row by row; rows that are not in memory come a block at a time.
+
+    ``function`` takes arrays of so many of the ``rows`` and returns an array of as many, or a tuple of them.
+
+    Examples
+    --------
+    >>> by_blocks(lambda q, v: q.sum(axis=1) + v[:, 0], np.ones((3, 2)), np.zeros((3, 1)))
+    array([2., 2., 2.])
+    """
+    if all(isinstance(one, np.ndarray) for one in columns):
+        return function(*(one[rows] for one in columns))
+    index = np.arange(len(columns[0]))[rows]
+    width = 8 * sum(one.shape[1] if len(one.shape) > 1 else 1 for one in columns)
+    step = max(1, BLOCK // max(width, 1))
+    cuts = range(0, max(len(index), 1), step)
+    parts = [function(*(one[index[k : k + step]] for one in columns)) for k in cuts]
+    if isinstance(parts[0], tuple):
+        return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
+    return np.concatenate(parts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pliant import _check
 from pliant._forces import Forces
 from pliant._motion import Motion
-from pliant.bodies import LineBody, MassBody
-from pliant.errors import ModelError
-from pliant.records import State
+from pliant._table import table
+from pliant.records import Records
 from pliant.typing import ArrayLike, FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pliant.model import Model
 
-__all__ = ["Result", "require_state"]
+__all__ = ["Result"]
 
 
 class Result(Motion, Forces):
@@ -49,6 +48,37 @@ class Result(Motion, Forces):
             raise AttributeError("load_factor: only the results of solve_static have one")
         return self.time
 
+    def _repr_html_(self) -> str:
+        """Show a notebook the figures of the run and a picture of its last state."""
+        import importlib.util
+
+        facts: list[tuple[str, object]] = [("outputs", len(self.time))]
+        if len(self.time):
+            facts.append(
+                ("load factor" if self.is_static else "time", f"{self.time[0]:g} to {self.time[-1]:g}")
+            )
+        if self.statistics.steps:
+            facts.append(("steps", self.statistics.steps))
+        text = table(repr(self)[1:-1], facts)
+        if not len(self.time) or importlib.util.find_spec("matplotlib") is None:
+            return text
+        from pliant.plotting import thumbnail
+
+        return f"{text}<img alt='last state' src='data:image/png;base64,{thumbnail(self)}'>"
+
+    def _part(self, records: Records) -> Result:
+        """Give a result of other rows of the same model."""
+        part = Result(
+            self.model,
+            self._lowered,
+            records,
+            static=self.is_static,
+            statistics=self.statistics,
+            system=self._system,
+        )
+        part._known_offsets = self._known_offsets
+        return part
+
     def plot(self, color: str | ArrayLike | None = None) -> Figure:
         """Draw the motion with matplotlib: the bodies at a few times, later ones stronger.
 
@@ -65,6 +95,66 @@ class Result(Motion, Forces):
         from pliant.plotting import plot
 
         return plot(self, color)
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        color: str | ArrayLike | None = None,
+        speed: float = 1.0,
+        fps: float = 30,
+        *,
+        progress: bool | None = None,
+    ) -> Path:
+        """Write a film: an mp4 where ffmpeg is on the PATH, else a gif.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write, ``.mp4`` or ``.gif``.
+        color : {"strain", "axial_force", "speed"} or array_like, shape (n, nodes), optional
+            Quantity that colours the bodies.
+        speed : float
+            Seconds of the motion in a second of the film.
+        fps : float
+            Images in a second of the film.
+        progress : bool, optional
+            Show a progress bar; by default on a terminal.
+
+        Returns
+        -------
+        Path
+            The file that was written: a ``.gif``, with a warning, where an ``.mp4`` was asked for and there
+            is no ffmpeg.
+        """
+        from pliant.plotting import animate, film_frames
+        from pliant.progress import progress_bar
+
+        speed = _check.number(speed, "speed", above=0)
+        fps = _check.number(fps, "fps", above=0)
+        progress = None if progress is None else _check.flag(progress, "progress")
+        with progress_bar(progress, len(film_frames(self, speed, fps))) as report:
+            return animate(self, path, color, speed, fps, report)
+
+    def export_vtk(self, folder: str | os.PathLike[str]) -> Path:
+        """Write files for ParaView, and ``result.pvd``, which opens them all.
+
+        Cables are lines with velocity, strain, axial_force, curvature and radius at their points; surfaces
+        and rigid bodies triangles, these with their axes; forces and reactions points with vectors. ``body``
+        is the number of the body in the model.
+
+        Parameters
+        ----------
+        folder : str or path
+            Where the files go; it is made if need be.
+
+        Returns
+        -------
+        Path
+            ``folder/result.pvd``.
+        """
+        from pliant.vtk import export_vtk
+
+        return export_vtk(self, folder)
 
     def export_html(self, path: str | os.PathLike[str], color: str | ArrayLike | None = None) -> None:
         """Write one self-contained interactive page: orbit, time slider, play, colours.
@@ -92,33 +182,3 @@ class Result(Motion, Forces):
         from pliant.storage import load
 
         return load(path)
-
-
-def require_state(start: object, name: str, model: Model) -> State:
-    """Return ``start`` as a state whose bodies are those of the model."""
-    if isinstance(start, Result):
-        start = start.state(-1)
-    if not isinstance(start, State):
-        _check.fail(name, start, "must be a Result or result.state(i)")
-    ours, theirs = (
-        {
-            key: (body.kind, body.nodes, tuple(body.strands))
-            if isinstance(body, LineBody)
-            else ("mass", body.at)
-            if isinstance(body, MassBody)
-            else ("rigid", body.mass)
-            for key, body in m._bodies.items()
-        }
-        for m in (model, start.model)
-    )
-    for key in {**theirs, **ours}:
-        if ours.get(key) != theirs.get(key):
-            raise ModelError(
-                f"{name}: bodies must be the same in both models, but '{key}' "
-                + (
-                    "is missing in one"
-                    if key not in ours or key not in theirs
-                    else "differs in kind or in elements"
-                )
-            )
-    return start

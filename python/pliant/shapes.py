@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pliant import _check
-from pliant.typing import FloatArray
+from pliant.typing import FloatArray, IntArray
 
 __all__ = ["Box", "Capsule", "Cylinder", "Shape", "Sphere"]
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 33)
 RING = np.stack([np.cos(TURN), np.sin(TURN), np.zeros_like(TURN)], axis=1)
+
+
+class Surface(NamedTuple):
+    """Triangles: points (p, 3) [m], outward unit normals (p, 3) there, corners (t, 3) counter-clockwise."""
+
+    points: FloatArray
+    normals: FloatArray
+    triangles: IntArray
 
 
 class Shape(ABC):
@@ -34,6 +42,11 @@ class Shape(ABC):
     @abstractmethod
     def outline(self) -> list[FloatArray]:
         """Lines that show it, each (k, 3) [m]."""
+
+    @property
+    @abstractmethod
+    def surface(self) -> Surface:
+        """Its surface as triangles."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +78,12 @@ class Sphere(Shape):
     def outline(self) -> list[FloatArray]:
         """Lines that show it, each (k, 3) [m]."""
         return [self.radius * np.roll(RING, shift, axis=1) for shift in range(3)]
+
+    @property
+    def surface(self) -> Surface:
+        """Its surface as triangles."""
+        arc = np.linspace(-np.pi / 2, np.pi / 2, 17)
+        return _turned([(self.radius * np.cos(arc), self.radius * np.sin(arc))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +124,20 @@ class Box(Shape):
         lines += [np.array([(x, y, -0.5), (x, y, 0.5)]) for x, y in square[:4]]
         return [line * np.array(self.size) for line in lines]
 
+    @property
+    def surface(self) -> Surface:
+        """Its surface as triangles."""
+        square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+        points, normals = [], []
+        for axis in range(3):
+            for side in (-1.0, 1.0):
+                face = np.column_stack([square[:: int(side)], np.full(4, side)])
+                points.append(np.roll(face, axis + 1, axis=1))
+                normals.append(np.tile(np.roll([0.0, 0.0, side], axis + 1), (4, 1)))
+        corners = np.array([(0, 1, 2), (0, 2, 3)])
+        triangles = np.concatenate([corners + 4 * k for k in range(6)])
+        return Surface(np.concatenate(points) * np.array(self.size) / 2.0, np.concatenate(normals), triangles)
+
 
 @dataclass(frozen=True)
 class Cylinder(Shape):
@@ -141,6 +174,18 @@ class Cylinder(Shape):
     def outline(self) -> list[FloatArray]:
         """Lines that show it, each (k, 3) [m]."""
         return _tube(self.radius, self.length)
+
+    @property
+    def surface(self) -> Surface:
+        """Its surface as triangles."""
+        r, z = self.radius, self.length / 2.0
+        return _turned(
+            [
+                (np.array([0.0, r]), np.array([-z, -z])),
+                (np.array([r, r]), np.array([-z, z])),
+                (np.array([r, 0.0]), np.array([z, z])),
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -188,8 +233,36 @@ class Capsule(Shape):
         arcs = [half + lift, half[:, [1, 0, 2]] + lift]
         return _tube(self.radius, self.length) + arcs + [arc * (1, 1, -1) for arc in arcs]
 
+    @property
+    def surface(self) -> Surface:
+        """Its surface as triangles."""
+        arc, lift = np.linspace(-np.pi / 2, np.pi / 2, 18), np.repeat([-self.length / 2, self.length / 2], 9)
+        return _turned([(self.radius * np.cos(arc), self.radius * np.sin(arc) + lift)])
+
 
 SHAPES: tuple[type[Shape], ...] = (Sphere, Box, Cylinder, Capsule)
+
+
+def _turned(profile: list[tuple[FloatArray, FloatArray]]) -> Surface:
+    """Turn pieces of a profile, radii and heights from below to above, about z; edges between pieces stay."""
+    points, normals, triangles = [], [], []
+    count = 0
+    around = np.stack([RING[:, 0], RING[:, 1]])
+    for r, z in profile:
+        slope = np.stack([np.gradient(z), -np.gradient(r)])
+        slope /= np.linalg.norm(slope, axis=0)
+        for radius, height, (n_r, n_z) in zip(r, z, slope.T, strict=True):
+            points.append(
+                np.column_stack([radius * around[0], radius * around[1], np.full(len(RING), height)])
+            )
+            normals.append(np.column_stack([n_r * around[0], n_r * around[1], np.full(len(RING), n_z)]))
+        k = np.arange(len(RING) - 1)
+        for row in range(len(r) - 1):
+            a = count + row * len(RING) + k
+            b = a + len(RING)
+            triangles += [np.column_stack([a, a + 1, b + 1]), np.column_stack([a, b + 1, b])]
+        count += len(r) * len(RING)
+    return Surface(np.concatenate(points), np.concatenate(normals), np.concatenate(triangles))
 
 
 def _tube(radius: float, length: float) -> list[FloatArray]:

@@ -12,7 +12,6 @@ from typing import Any, Literal
 from pliant import _check
 from pliant._plan import Plan
 from pliant._running import (
-    progress_bar,
     require_model,
     thread_count,
 )
@@ -20,6 +19,7 @@ from pliant._steps import Steps
 from pliant.checkpoints import read
 from pliant.errors import ConvergenceError, ModelError
 from pliant.model import Model
+from pliant.progress import progress_bar
 from pliant.records import State
 from pliant.result import Result
 from pliant.stepper import Stepper
@@ -38,7 +38,7 @@ def simulate(
     rtol: float | None = None,
     atol: float | None = None,
     max_step: float | None = None,
-    start: Result | State | None = None,
+    start: Result | State | PathLike | None = None,
     spectral_radius: float | None = None,
     output_every: int = 1,
     output_times: ArrayLike | None = None,
@@ -47,6 +47,7 @@ def simulate(
     threads: int | None = None,
     progress: bool | None = None,
     checkpoint: PathLike | tuple[PathLike, float] | None = None,
+    output: PathLike | None = None,
 ) -> Result:
     """Integrate the motion of a model by generalized-alpha.
 
@@ -66,10 +67,10 @@ def simulate(
     max_step : float, optional
         For ``step="auto"``: longest step [s], by default a twentieth of the duration. Callables of time that
         act briefly are seen only where a step ends inside.
-    start : Result or State, optional
-        The run begins at the last state of a result, or at ``result.state(i)``, at time 0. Bodies must be the
-        same, loads and joints may differ. A static result gives the positions; the velocities are those of
-        the bodies.
+    start : Result, State or path, optional
+        The run begins at the last state of a result, at ``result.state(i)``, or where the file of a result or
+        a checkpoint ends, at time 0. Bodies must be the same, loads and joints may differ. A static result
+        gives the positions; the velocities are those of the bodies.
     spectral_radius : float, optional
         Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
     output_every : int
@@ -89,6 +90,9 @@ def simulate(
     checkpoint : str, path or (path, float), optional
         Save the run in this file every minute, or every so many seconds, when it is interrupted, and at its
         end; :func:`pliant.resume` continues it with the same bits.
+    output : str or path, optional
+        Write the result to this file as it comes: memory stays bounded, and what was written can be read by
+        ``Result.load`` at any time, from elsewhere, too, and after the run was killed.
 
     Returns
     -------
@@ -118,6 +122,7 @@ def simulate(
         spectral_radius=spectral_radius,
         tolerance=tolerance,
         threads=threads,
+        output=output,
     )
     return _drive(stepper, plan, on_step, progress)
 
@@ -144,6 +149,7 @@ def _drive(
                         raise KeyboardInterrupt
                     if on_step is not None and on_step(stepper) is True:
                         plan.finish(stepper)
+                        stepper._finish()
                         return stepper.result
                     plan.take(stepper, leg, single=on_step is not None)
                     if plan.is_done(stepper, leg):
@@ -154,10 +160,12 @@ def _drive(
                     before = now
         plan.finish(stepper)
     except (KeyboardInterrupt, ConvergenceError, ModelError) as error:
+        stepper._finish()
         error.result = stepper.result  # type: ignore[union-attr]
         if isinstance(error, KeyboardInterrupt):
             plan.save(stepper, now=True)
         raise
+    stepper._finish()
     return stepper.result
 
 
@@ -255,7 +263,7 @@ def simulate_many(
     for k, model in enumerate(queue):
         if not isinstance(model, Model):
             _check.fail(f"models[{k}]", model, "must be a pliant.Model")
-    for name in ("checkpoint", "on_step"):
+    for name in ("checkpoint", "on_step", "output"):
         if options.get(name) is not None:
             _check.fail(name, options[name], "belongs to one run: use pliant.simulate")
     for name in ("duration", "step"):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterable
 from typing import Any
-
-import numpy as np
 
 from pliant import _check
 from pliant._running import (
@@ -15,19 +14,22 @@ from pliant._running import (
     build,
     multipliers,
     name_node,
-    progress_bar,
     require_model,
+    require_state,
     start_vectors,
 )
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.forces import ForceData
 from pliant.model import Model
 from pliant.points import Load, require_handle
-from pliant.readings import CriticalPoint, Statistics
+from pliant.progress import progress_bar
+from pliant.readings import Statistics
 from pliant.records import State
-from pliant.result import Result, require_state
+from pliant.result import Result
 
 __all__ = ["solve_static"]
+
+PathLike = str | os.PathLike[str]
 
 ARC_STEPS = 20  # least number of steps of a path
 
@@ -35,7 +37,7 @@ ARC_STEPS = 20  # least number of steps of a path
 def solve_static(
     model: Model,
     *,
-    start: Result | State | None = None,
+    start: Result | State | PathLike | None = None,
     load_steps: int | None = None,
     arc_length: bool = False,
     scale: Load | str | Iterable[Load | str] | None = None,
@@ -127,17 +129,11 @@ def solve_static(
     def collect(raw: Any) -> Result:
         rest = ("unstable", "critical")
         records = as_records({key: value for key, value in raw.items() if key not in rest})
-        result = Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
-        result.critical_points = tuple(
-            CriticalPoint(
-                "bifurcation" if bifurcation else "limit",
-                index,
-                float(records.time[index]),
-                np.asarray(shape),
-            )
+        lowered.critical = [
+            ("bifurcation" if bifurcation else "limit", index, float(records.time[index]), shape.tolist())
             for index, bifurcation, shape in raw["critical"]
-        )
-        return result
+        ]
+        return Result(model, lowered, records, static=True, statistics=Statistics(), system=system)
 
     with progress_bar(progress, 100) as report, inputs.guarded():
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
+import weakref
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar, cast
 
 import numpy as np
@@ -17,7 +19,9 @@ from pliant._running import (
     as_statistics,
     build,
     name_node,
+    output_path,
     require_model,
+    require_state,
     start_vectors,
     thread_count,
     warn_of_projection,
@@ -30,8 +34,10 @@ from pliant.model import Model
 from pliant.points import Handle, Joint, Point, PointMass
 from pliant.readings import Energy, Reaction, Statistics, Strain, Track
 from pliant.records import Records, State
-from pliant.result import Result, require_state
+from pliant.result import Result
 from pliant.signals import Function
+from pliant.storage import facts, load_records
+from pliant.streams import Stream
 from pliant.typing import ArrayLike, FloatArray, IntArray, Json
 
 if TYPE_CHECKING:
@@ -64,6 +70,8 @@ class Stepper:
         Newton's tolerance, relative to the size of the model.
     threads : int, optional
         Threads; the result does not depend on it.
+    output : str or path, optional
+        Write what is recorded to this result file as it comes, instead of keeping it in memory.
 
     Examples
     --------
@@ -89,13 +97,15 @@ class Stepper:
         rtol: float | None = None,
         atol: float | None = None,
         max_step: float | None = None,
-        start: Result | State | None = None,
+        start: Result | State | str | os.PathLike[str] | None = None,
         record_every: int | None = None,
         spectral_radius: float | None = None,
         tolerance: float | None = None,
         threads: int | None = None,
+        output: str | os.PathLike[str] | None = None,
     ) -> None:
         model = require_model(model)
+        path = output_path(output)
         options: dict[str, Any] = {
             "steps": Steps.checked(step, rtol, atol, max_step).document(),
             "record_every": 0 if record_every is None else _check.count(record_every, "record_every"),
@@ -122,6 +132,8 @@ class Stepper:
         warn_of_projection(self._integrator, system, lowered, wanted, state)
         self._start = self._integrator.save()
         self._record()
+        if path is not None:
+            self._stream_to(path)
 
     def _set_up(
         self,
@@ -140,6 +152,8 @@ class Stepper:
         self._record_every: int = options["record_every"]
         self._inputs = CallableInputs(lowered)
         self._chunks: list[Records] = []
+        self._stream: Stream | None = None
+        self._recorded_to: float | None = None
         self._present: Result | None = None
         self._reader: Result | None = None
         self._offsets: dict[str, IntArray] = {}
@@ -257,6 +271,7 @@ class Stepper:
 
     def _switch(self, joint: Joint, engage: bool, gap: float | None) -> None:
         plan = self._now._plan_of(joint)
+        self.model._require_latch(joint.name)
         if plan["kind"] != "multiplier":
             _check.fail(
                 "joint",
@@ -282,6 +297,8 @@ class Stepper:
         """
         saved = self._start
         if state is not None:
+            if not isinstance(state, State):
+                _check.fail("state", state, "must be the state of a stepper")
             state = require_state(state, "state", self.model)
             if state.saved is None:
                 _check.fail("state", state, "must be the state of a stepper")
@@ -418,6 +435,9 @@ class Stepper:
             return self._integrator.advance(steps, step, every, end=end if steps == left else None)
         except BaseException as error:
             self._fail(error)
+        finally:
+            if self._stream is not None:
+                self._drain(self._stream)
 
     def _take_freely(self, end: float, steps: int | None, every: int) -> int:
         """Take steps as long as the accuracy allows, up to the time ``end``, for a tenth of a second."""
@@ -435,6 +455,9 @@ class Stepper:
             )
         except BaseException as error:
             self._fail(error)
+        finally:
+            if self._stream is not None:
+                self._drain(self._stream)
 
     def _fail(self, error: BaseException) -> NoReturn:
         """Raise the error in the words of pliant, with the result so far."""
@@ -449,15 +472,47 @@ class Stepper:
     def _record(self, again: bool = True) -> None:
         """Keep the present state; with ``again`` off only where it was not kept already."""
         if not again:
-            times = self._recorded().time
-            if len(times) and times[-1] == self.time:
+            if self._stream is not None:
+                self._drain(self._stream)
+                last = self._recorded_to
+            else:
+                times = self._recorded().time
+                last = float(times[-1]) if len(times) else None
+            if last == self.time:
                 return
         try:
             self._integrator.record()
         except BaseException as error:
             self._fail(error)
 
+    def _stream_to(self, path: Path) -> None:
+        """Write what is recorded to a file from here on."""
+        records = self._recorded()
+        here = self._as_result(records, Statistics())
+        self._stream = Stream.continued(path, facts(here, static=False), records)
+        self._chunks.clear()
+        # What is left goes to disk when the stepper is forgotten, or Python ends.
+        weakref.finalize(self, self._stream.close)
+
+    def _drain(self, stream: Stream) -> None:
+        """Hand what was recorded to the file."""
+        rows = as_records(self._integrator.records())
+        if len(rows.time):
+            self._recorded_to = float(rows.time[-1])
+            stream.add(rows)
+
+    def _finish(self) -> None:
+        """Close the file."""
+        if self._stream is not None:
+            self._drain(self._stream)
+            self._stream.flush(dataclasses.asdict(self.statistics))
+            self._stream.close()
+
     def _recorded(self) -> Records:
+        if self._stream is not None:
+            self._drain(self._stream)
+            self._stream.flush(dataclasses.asdict(self.statistics))
+            return load_records(self._stream.path)
         chunks = [*self._chunks, as_records(self._integrator.records())]
         chunks = [chunk for chunk in chunks if len(chunk.time)] or chunks[-1:]
         if len(chunks) > 1:
@@ -471,12 +526,26 @@ class Stepper:
     def _forget(self) -> None:
         self._integrator.records()
         self._chunks.clear()
-        self._present = None
+        self._present = self._recorded_to = None
+        if self._stream is not None:
+            self._stream.restart()
 
     def _write(self, path: str | os.PathLike[str], run: Json | None) -> None:
         saved = self._integrator.save()
-        records = self._recorded()
-        write(path, Checkpoint(self.model, self._lowered, self._options, run, self._start, saved, records))
+        present = as_records(self._integrator.present())
+        output = None
+        if self._stream is None:
+            records = self._recorded()
+        else:
+            self._drain(self._stream)
+            self._stream.flush()
+            records, output = present[:0], (str(self._stream.path.absolute()), self._stream.rows)
+        write(
+            path,
+            Checkpoint(
+                self.model, self._lowered, self._options, run, self._start, saved, present, records, output
+            ),
+        )
 
     @classmethod
     def _restored(cls, saved: Checkpoint, model: Model | None, threads: int | None) -> Stepper:
@@ -497,7 +566,11 @@ class Stepper:
         except (KeyError, TypeError, ModelError) as error:
             raise FileError(f"the checkpoint cannot be used: {error}") from error
         stepper._start = saved.start
-        stepper._chunks = [saved.records]
+        stepper._chunks = [saved.recorded()]
+        times = stepper._chunks[0].time
+        stepper._recorded_to = float(times[-1]) if len(times) else None
+        if saved.output is not None:
+            stepper._stream_to(Path(saved.output[0]))
         return stepper
 
 

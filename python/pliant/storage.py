@@ -1,21 +1,4 @@
-"""Results as HDF5 files.
-
-Layout (format "pliant-result", version 3)::
-
-    /                     attributes format, version, kind ("dynamic" or "static"), digest
-    /model                the model as a JSON document (text)
-    /lowered/spec         the document of the core (text); /lowered/map how it maps to the model (JSON text)
-    /lowered/arrays/<k>   the arrays that the document points at
-    /records/time         (n,) [s] or load factors
-    /records/q, v, a      (n, coordinates); /records/lambda (n, constraints); /records/energy (n, 5): kinetic,
-                          elastic, gravitational, dissipated, work [J]; /records/inputs (n, inputs);
-                          /records/outputs (n, numbers): what springs and other forces show
-    /offsets/<body>       (nodes,) first of the three columns of q that hold each node's position; the name
-                          of the body is percent-encoded
-    /statistics           JSON text
-
-``digest`` is the SHA-256 of all data sets in the order of their names: an altered file is refused.
-"""
+"""Results as HDF5 files: what stands in them beside the rows, saving, loading. Layout: docs/files.md."""
 
 from __future__ import annotations
 
@@ -23,137 +6,140 @@ import dataclasses
 import hashlib
 import json
 import os
-from types import ModuleType
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 
+from pliant._lookup import Lookup
 from pliant._lowered import Lowered
 from pliant.bodies import LineBody
 from pliant.errors import FileError
 from pliant.files import atomic
 from pliant.model import Model
-from pliant.readings import CriticalPoint, Statistics
+from pliant.readings import Statistics
 from pliant.records import Records
 from pliant.result import Result
+from pliant.streams import FORMAT, SIGNATURE, VERSION, Stream, h5py_module, open_result, read_records
 
-__all__ = ["load", "save"]
+__all__ = ["facts", "is_result", "load", "load_records", "save"]
 
-VERSION = 3
+ROWS = ("records/", "blocks/", "history", "statistics")
 
 
-def _h5py() -> ModuleType:
-    try:
-        import h5py
-    except ImportError as error:
-        raise ImportError('result files need h5py: pip install "pliant[files]"') from error
-    return h5py  # type: ignore[no-any-return]
+def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:
+    """Everything of a result file but its rows: attributes (``"@name"``) and data sets by name."""
+    lowered = rows._lowered
+    texts = {
+        "model": json.dumps(rows.model.to_document(keep_functions=False)),
+        "lowered/spec": lowered.spec,
+        "lowered/map": json.dumps(lowered.to_map()),
+    }
+    data: dict[str, Any] = {
+        name: np.frombuffer(text.encode(), dtype=np.uint8) for name, text in texts.items()
+    }
+    data |= {f"lowered/arrays/{k}": array for k, array in enumerate(lowered.arrays)}
+    for name in [*lowered.cables, *lowered.shared, *lowered.rigid]:
+        body = rows.model._bodies[name]
+        offsets = rows._offsets(name)[:, 0]
+        data[f"offsets/{quote(name, safe='').replace('.', '%2E')}"] = (
+            offsets[body.first] if isinstance(body, LineBody) else offsets[:1]
+        )
+    return {
+        **data,
+        "@format": FORMAT,
+        "@version": VERSION,
+        "@kind": "static" if static else "dynamic",
+        "@digest": _digest(data.items()),
+    }
+
+
+def _digest(data: Any) -> str:
+    digest = hashlib.sha256()
+    for name, array in sorted(data, key=lambda item: str(item[0])):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
     """Write a result."""
-    h5py = _h5py()
-    lowered, records = result._lowered, result._records
-    texts = {
-        "model": json.dumps(result.model.to_document(keep_functions=False)),
-        "lowered/spec": lowered.spec,
-        "lowered/map": json.dumps(
-            {
-                "cables": lowered.cables,
-                "shared": lowered.shared,
-                "rigid": lowered.rigid,
-                "plan": lowered.plan,
-                "forces": lowered.forces,
-                "held": lowered.held,
-                "grows": lowered.grows,
-                "critical": [
-                    [c.kind, c.index, c.load_factor, c.shape.tolist()] for c in result.critical_points
-                ],
-            }
-        ),
-        "statistics": json.dumps(dataclasses.asdict(result.statistics)),
-    }
-    arrays: dict[str, Any] = {f"lowered/arrays/{k}": a for k, a in enumerate(lowered.arrays)}
-    for field in dataclasses.fields(records):
-        arrays[f"records/{field.name.rstrip('_')}"] = getattr(records, field.name)
-    for name in [*lowered.cables, *lowered.shared, *lowered.rigid]:
-        body = result.model._bodies[name]
-        offsets = result._offsets(name)[:, 0]
-        arrays[f"offsets/{quote(name, safe='').replace('.', '%2E')}"] = (
-            offsets[body.first] if isinstance(body, LineBody) else offsets[:1]
-        )
-    with atomic(path) as temporary, h5py.File(temporary, "w") as file:
-        for name, text in texts.items():
-            file[name] = np.frombuffer(text.encode(), dtype=np.uint8)
-        for name, array in arrays.items():
-            file[name] = array
-        file.attrs["format"] = "pliant-result"
-        file.attrs["version"] = VERSION
-        file.attrs["kind"] = "static" if result.is_static else "dynamic"
-        file.attrs["digest"] = _digest(h5py, file)
+    fixed = facts(result, static=result.is_static)
+    records = result._records
+    with atomic(path) as temporary:
+        stream = Stream(temporary, fixed, records[:0])
+        step = max(1, (1 << 22) // max(8 * records.q.shape[1], 1))
+        for k in range(0, len(records.time), step):
+            stream.add(records[k : k + step])
+        stream.flush(dataclasses.asdict(result.statistics))
+        stream.close()
 
 
-def _digest(h5py: Any, file: Any) -> str:
+def _fixed(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
     names: list[str] = []
     file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-    digest = hashlib.sha256()
-    for name in sorted(names):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(file[name][()]).tobytes())
-    return digest.hexdigest()
+    return ((name, file[name][()]) for name in names if not name.startswith(ROWS))
+
+
+def is_result(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a file begins as HDF5 does."""
+    try:
+        with Path(path).open("rb") as file:
+            return file.read(8) == SIGNATURE
+    except (OSError, ValueError):
+        return False
 
 
 def load(path: str | os.PathLike[str]) -> Result:
-    """Read a result."""
-    h5py = _h5py()
+    """Read a result; its rows at once where they are few, else when asked for."""
+
+    def read(file: Any) -> Result:
+        def text(name: str) -> Any:
+            return json.loads(bytes(file[name][()]).decode())
+
+        count = len(file.get("lowered/arrays", ()))
+        arrays = [file[f"lowered/arrays/{k}"][()] for k in range(count)]
+        lowered = Lowered.from_map(text("lowered/map"), text("lowered/spec"), arrays, [])
+        return Result(
+            Model.from_document(text("model"), str(path)),
+            lowered,
+            read_records(path, file),
+            static=file.attrs["kind"] == "static",
+            statistics=Statistics(**text("statistics")),
+        )
+
+    result: Result = _reading(path, read)
+    return result
+
+
+def load_records(path: str | os.PathLike[str], rows: int | None = None) -> Records:
+    """Read the rows of a result alone, at most so many."""
+    records: Records = _reading(path, lambda file: read_records(path, file, rows))
+    return records
+
+
+def _reading(path: str | os.PathLike[str], read: Any) -> Any:
+    """Open a file, check it, and read something of it."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise FileError(f"{path!r}: must be the path of a result")
+    h5py = h5py_module()
     try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != "pliant-result":
+        with open_result(path) as file:
+            attributes: Mapping[str, Any] = file.attrs
+            if attributes.get("format") != FORMAT:
                 raise FileError(f"{path}: is not a pliant result")
-            if file.attrs.get("version") != VERSION:
+            if attributes.get("version") != VERSION:
                 raise FileError(
-                    f"{path}: has version {file.attrs.get('version')}, this pliant reads {VERSION}"
+                    f"{path}: has version {attributes.get('version')}, this pliant reads {VERSION}"
                 )
-            if file.attrs.get("digest") != _digest(h5py, file):
+            if attributes.get("digest") != _digest(_fixed(h5py, file)):
                 raise FileError(f"{path}: is damaged: its contents do not match their digest")
-
-            def text(name: str) -> Any:
-                return json.loads(bytes(file[name][()]).decode())
-
-            mapping = text("lowered/map")
-            lowered = Lowered(
-                document=text("lowered/spec"),
-                arrays=[file[f"lowered/arrays/{k}"][()] for k in range(len(file.get("lowered/arrays", ())))],
-                cables=mapping["cables"],
-                shared=mapping["shared"],
-                rigid=mapping.get("rigid", {}),
-                plan=mapping["plan"],
-                forces=mapping["forces"],
-                grows=mapping.get("grows"),
-                held={name: (first, initial) for name, (first, initial) in mapping["held"].items()},
-            )
-            records = Records(
-                **{
-                    field.name: file[f"records/{field.name.rstrip('_')}"][()]
-                    for field in dataclasses.fields(Records)
-                }
-            )
-            result = Result(
-                Model.from_document(text("model"), str(path)),
-                lowered,
-                records,
-                static=file.attrs["kind"] == "static",
-                statistics=Statistics(**text("statistics")),
-            )
-            result.critical_points = tuple(
-                CriticalPoint(kind, index, factor, np.array(shape))
-                for kind, index, factor, shape in mapping.get("critical", ())
-            )
-            return result
+            return read(file)
     except FileError:
         raise
     except FileNotFoundError as error:
         raise FileError(f"{path}: there is no such file") from error
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError) as error:
         raise FileError(f"{path}: cannot be read: {error}") from error

@@ -6,8 +6,6 @@ import json
 import os
 import re
 import signal
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -15,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pliant as pl
 import pytest
-from pliant.cli import main
 
 SECTION = pl.Circle(radius=5e-3)
 DOWN = np.array([0, 0, -9.81])
@@ -426,18 +423,6 @@ def test_rings_hold_together(rubber: pl.LinearElastic) -> None:
     assert result.positions(ring).shape == (201, 12, 3)
     total = result.energy.total
     assert np.abs(total - total[0]).max() < 1e-3 * np.ptp(result.energy.gravitational)
-
-
-def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["demo", "--list"]) == 0
-    assert "falling_rope" in capsys.readouterr().out
-    assert main(["demo", "falling_rope", "--out", str(tmp_path / "out")]) == 0
-    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["falling_rope.html", "falling_rope.png"]
-    assert main(["demo", "--test"]) == 0
-    assert "FAIL" not in capsys.readouterr().out
-    assert main(["demo", "unknown"]) == 2
-    assert main(["info"]) == 0
-    assert subprocess.run([sys.executable, "-m", "pliant", "info"], check=True, capture_output=True).stdout
 
 
 def test_clamps_and_pins_hold_where_another_run_left_the_rope(rubber: pl.LinearElastic) -> None:

@@ -19,7 +19,7 @@ def python_blocks(page):
     return "\n".join(re.findall(r"```python\n(.*?)```", read(page), re.S))
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/getting-started.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/getting-started.md", "docs/files.md"])
 def test_code_of_the_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(pyplot, "show", lambda *arguments, **options: None)

@@ -123,4 +123,6 @@ def test_extras_are_all_in_all():
     if not tomllib:
         pytest.skip("needs Python 3.11")
     extras = tomllib.loads(read("pyproject.toml"))["project"]["optional-dependencies"]
-    assert sorted(extras["all"]) == sorted(extras["plot"] + extras["files"] + extras["progress"])
+    assert sorted(extras["all"]) == sorted(
+        extras["plot"] + extras["files"] + extras["progress"] + extras["vtk"]
+    )

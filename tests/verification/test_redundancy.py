@@ -302,3 +302,38 @@ def test_a_static_model_that_floats_is_named():
     model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(1, 0, 0), name="balloon")
     with pytest.raises(pl.ConvergenceError, match="balloon"):
         pl.solve_static(model)
+
+
+@pytest.mark.parametrize("spin", [2.0, 0.0])
+def test_a_parallelogram_starts_in_its_singular_position(spin, record):
+    # All rods in one line: the instantaneous freedoms branch, and one equation more depends on the others.
+    end, gravity = 0.5, 9.81
+    inertia, arm = 2 / 3 + 1, 2.0
+    exact = solve_ivp(
+        lambda _, y: (y[1], -gravity * arm * np.cos(y[0]) / inertia), (0, end), (0, spin), rtol=1e-12
+    ).y[0, -1]
+    errors = []
+    for step in (1e-2, 5e-3):
+        model = pl.Model(gravity=(0, -gravity, 0))
+        cranks, feet = [], []
+        for i in range(2):
+            crank = model.add_rigid_body(
+                mass=1.0,
+                inertia=(1e-4, 1 / 12, 1 / 12),
+                position=(i + 0.5, 0, 0),
+                velocity=(0, 0.5 * spin, 0),
+                angular_velocity=(0, 0, spin),
+            )
+            feet.append(model.hinge(crank.at((-0.5, 0, 0))))
+            cranks.append(crank)
+        bar = model.add_rigid_body(
+            mass=1.0, inertia=(1e-4, 1 / 12, 1 / 12), position=(1.5, 0, 0), velocity=(0, spin, 0)
+        )
+        model.hinge(bar.at((-0.5, 0, 0)), cranks[0].at((0.5, 0, 0)))
+        model.hinge(bar.at((0.5, 0, 0)), cranks[1].at((0.5, 0, 0)))
+        assert sum(r.equations for r in model.redundant) == 4
+        result = pl.simulate(model, duration=end, step=step, threads=1)
+        errors.append(np.abs([result.joint(foot).position[-1] - exact for foot in feet]).max())
+    # Second order, the step in which the fourth equation is taken in again included.
+    assert errors[-1] < 1e-3
+    assert record(f"parallelogram from its singular position, spin {spin:g}", errors[0] / errors[1], 4.0, 1.0)

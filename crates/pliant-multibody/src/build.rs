@@ -6,8 +6,7 @@ use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::forces;
-use crate::joints::Joint;
-use crate::joints::product::Products;
+use crate::joints::Draft;
 use crate::joints::rigidity::rigidity;
 use crate::joints::side::Frame;
 use crate::latches::{Scheduled, draft};
@@ -19,7 +18,7 @@ use crate::model::{Blocks, LatchState, Mass, Model, PlacedForce, PlacedJoint, Pl
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
-use crate::spec::{ForceSpec, LoadSpec, ModelSpec, VERSION};
+use crate::spec::{ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
@@ -150,6 +149,14 @@ fn initial(
             v[at..at + 3].copy_from_slice(omega.cross(&vector(axis)).as_slice());
         }
     }
+    let mut slides = map.slides.iter();
+    for joint in &spec.joints {
+        if let (JointSpec::SlideCable { s, .. }, Some(&offset)) = (joint, slides.as_slice().first())
+        {
+            slides.next();
+            q[offset] = *s;
+        }
+    }
     let finite = |x: &f64| x.is_finite();
     if let Some(&value) = q.iter().chain(&v).find(|&x| !finite(x)) {
         return Err(ModelError::Value {
@@ -161,18 +168,17 @@ fn initial(
     Ok((q, v))
 }
 
+/// Joints with their names.
+type Drafts = Vec<(String, Box<dyn Draft>)>;
+
 /// The joints of a document, then the rigidity of each rigid body, over all coordinates.
-fn draft_joints(
-    spec: &ModelSpec,
-    map: &DofMap,
-    q: &[f64],
-) -> Result<Vec<(String, Products)>, ModelError> {
+fn draft_joints(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> Result<Drafts, ModelError> {
     let mut drafts = Vec::with_capacity(spec.joints.len() + map.rigid.len());
     for joint in &spec.joints {
         drafts.push((joint.points().0.to_owned(), draft(joint, map, q, None)?));
     }
     for (k, name) in map.rigid_names.iter().enumerate() {
-        drafts.push((format!("rigidity of '{name}'"), rigidity(&map.axes(k))));
+        drafts.push((format!("rigidity of '{name}'"), Box::new(rigidity(&map.axes(k)))));
     }
     Ok(drafts)
 }
@@ -274,24 +280,33 @@ impl Builder<'_> {
     }
 
     /// Gives each joint its multipliers and its element matrix.
-    fn joints(
-        &mut self,
-        drafts: Vec<(String, Products)>,
-        length: f64,
-    ) -> (Vec<PlacedJoint>, Vec<f64>) {
+    fn joints(&mut self, drafts: Drafts, length: f64) -> (Vec<PlacedJoint>, Vec<f64>) {
         let mut joints = Vec::with_capacity(drafts.len());
         let mut scale = Vec::new();
         for (name, draft) in drafts {
             let support = self.support(draft.interpolations());
+            let windows: Vec<Support> =
+                draft.windows().into_iter().map(|points| self.support(points)).collect();
+            let local = |window: &Support| -> Vec<usize> {
+                window.unknowns.iter().map(|&u| support.local(u)).collect()
+            };
+            let locals = windows.iter().map(local).collect();
             let joint = draft.placed(support);
             let (first, m) = (scale.len(), joint.equations());
             scale.resize(first + m, 0.0);
             joint.scale(length, &mut scale[first..]);
             let unknowns = self.structure.velocities() + first;
-            let mut groups = joint.support().groups.clone();
-            groups.push(self.structure.add_group(unknowns..unknowns + m));
-            let element = self.structure.add_element(&groups, Storage::Symmetric);
-            joints.push(PlacedJoint { name, joint: Box::new(joint), first, element });
+            let multipliers = self.structure.add_group(unknowns..unknowns + m);
+            let mut add = |support: &Support| {
+                let mut groups = support.groups.clone();
+                groups.push(multipliers);
+                self.structure.add_element(&groups, Storage::Symmetric)
+            };
+            let mut elements = windows.iter().map(&mut add).collect::<Vec<_>>();
+            if elements.is_empty() {
+                elements.push(add(joint.support()));
+            }
+            joints.push(PlacedJoint { name, joint, first, element: elements[0], windows: locals });
         }
         (joints, scale)
     }

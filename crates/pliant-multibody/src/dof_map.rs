@@ -1,13 +1,13 @@
 //! Where every node stands in the coordinates.
 //!
 //! Cables come first, node by node: position and slope (6), or the slope alone (3) where the position is a shared
-//! point's; the shared points follow (3 each), then the rigid bodies: centre and axes (12). Multipliers are numbered after all coordinates, joint by joint.
+//! point's; the shared points follow (3 each), the rigid bodies, centre and axes (12), the arc lengths of sliding joints. Multipliers are numbered after all coordinates, joint by joint.
 
 use crate::document::Arrays;
 use crate::error::ModelError;
 use crate::joints::side::Frame;
 use crate::point::Interpolation;
-use crate::spec::{CableSpec, ModelSpec, PointSpec};
+use crate::spec::{CableSpec, JointSpec, ModelSpec, PointSpec};
 use pliant_dae::structure::Structure;
 use pliant_elements::NodeOffsets;
 use pliant_math::hermite;
@@ -46,11 +46,16 @@ impl CableMap {
         self.lengths.len()
     }
 
-    fn hermite(&self, e: usize, weights: [f64; 4]) -> Interpolation {
+    /// Offsets of position and slope of both nodes of element `e`.
+    #[must_use]
+    pub fn offsets(&self, e: usize) -> [usize; 4] {
         let node = self.first_node(e);
         let (a, b) = (self.nodes[node], self.nodes[node + 1]);
-        let offsets = [a.r, a.t, b.r, b.t].map(|o| o as usize);
-        Interpolation::weighted(offsets.into_iter().zip(weights))
+        [a.r, a.t, b.r, b.t].map(|o| o as usize)
+    }
+
+    fn hermite(&self, e: usize, weights: [f64; 4]) -> Interpolation {
+        Interpolation::weighted(self.offsets(e).into_iter().zip(weights))
     }
 
     /// Position at `xi` of element `e`.
@@ -77,6 +82,8 @@ pub struct DofMap {
     pub rigid_names: Vec<String>,
     /// Offsets of the centres of the rigid bodies; the axes follow.
     pub rigid: Vec<usize>,
+    /// Offsets of the arc lengths of joints that slide along cables.
+    pub slides: Vec<usize>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Number of the group of each coordinate, as entered by [`Self::add_groups`].
@@ -144,8 +151,20 @@ impl DofMap {
             spec.rigid_bodies.iter().map(|body| body.name.clone()).collect();
         let first = next + 3 * shared;
         let rigid: Vec<usize> = (0..rigid_names.len()).map(|k| first + 12 * k).collect();
-        let coordinates = first + 12 * rigid.len();
-        Ok(Self { cables, shared: offsets, rigid_names, rigid, coordinates, group: Vec::new() })
+        let first = first + 12 * rigid.len();
+        let slides =
+            spec.joints.iter().filter(|j| matches!(j, JointSpec::SlideCable { .. })).count();
+        let slides: Vec<usize> = (first..first + slides).collect();
+        let coordinates = first + slides.len();
+        Ok(Self {
+            cables,
+            shared: offsets,
+            rigid_names,
+            rigid,
+            slides,
+            coordinates,
+            group: Vec::new(),
+        })
     }
 
     /// Enters the groups of unknowns of all nodes and shared points.
@@ -166,6 +185,9 @@ impl DofMap {
         }
         for &p in &self.rigid {
             add(p..p + 12, &mut self.group);
+        }
+        for &s in &self.slides {
+            add(s..s + 1, &mut self.group);
         }
     }
 
@@ -253,6 +275,9 @@ impl DofMap {
                     }
                 }
             }
+        }
+        if let Some(k) = self.slides.iter().position(|&s| s == coordinate) {
+            return format!("place along the cable of sliding joint {k}");
         }
         if let Some(k) = self.rigid.iter().rposition(|&first| first <= coordinate) {
             let (place, c) = (coordinate - self.rigid[k], component(self.rigid[k]));

@@ -6,9 +6,9 @@
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
-use crate::joints::product::Products;
 use crate::joints::side::{Frame, Side};
-use crate::joints::{Joint, of_spec};
+use crate::joints::slide_cable::SlideCable;
+use crate::joints::{Draft, Joint, of_spec};
 use crate::model::Model;
 use crate::point::Interpolation;
 use crate::spec::JointSpec;
@@ -52,11 +52,20 @@ pub(crate) fn draft(
     map: &DofMap,
     q: &[f64],
     latch: Option<Latch>,
-) -> Result<Products, ModelError> {
+) -> Result<Box<dyn Draft>, ModelError> {
     let (name, a, b) = joint.points();
     let place = format!("joint '{name}'");
     let refuse = |reason| ModelError::Unsupported { place: place.clone(), reason };
     let (r, frame) = map.point(a, &place)?;
+    if let JointSpec::SlideCable { cable, slide, .. } = joint {
+        if latch.is_some() {
+            return Err(refuse("a joint that slides along a cable cannot be engaged"));
+        }
+        let Some((path, &s)) = map.cables.get(*cable).zip(map.slides.get(*slide)) else {
+            return Err(refuse("its cable does not exist"));
+        };
+        return Ok(Box::new(SlideCable::new(r, path, s)));
+    }
     let here = r.at(q);
     let mut a = Side { r, frame, first: true, q };
     let (r, frame) = match b {
@@ -79,7 +88,9 @@ pub(crate) fn draft(
             return Err(ModelError::Apart { place, gap, allowed });
         }
     }
-    of_spec(&joint, &a, &b).ok_or_else(|| refuse("its points do not have the directions it needs"))
+    let draft = of_spec(&joint, &a, &b)
+        .ok_or_else(|| refuse("its points do not have the directions it needs"))?;
+    Ok(Box::new(draft))
 }
 
 /// How a joint engages.
@@ -117,7 +128,12 @@ impl Model {
     }
 
     /// Joint `k` as it engages at coordinates `q`.
-    pub(crate) fn engaged(&self, k: usize, q: &[f64], gap: f64) -> Result<Products, ModelError> {
+    pub(crate) fn engaged(
+        &self,
+        k: usize,
+        q: &[f64],
+        gap: f64,
+    ) -> Result<Box<dyn Joint>, ModelError> {
         let spec = &self.joint_specs[k];
         let placed = &self.joints[k];
         let latch = Latch { floats: self.latches[k].floats, gap };
@@ -133,7 +149,7 @@ impl Model {
     }
 
     /// The same from the joint's own coordinates.
-    pub(crate) fn posed(&self, switch: &Switch) -> Result<Products, ModelError> {
+    pub(crate) fn posed(&self, switch: &Switch) -> Result<Box<dyn Joint>, ModelError> {
         let mut q = vec![0.0; self.coordinates()];
         for (&u, x) in self.joints[switch.joint].joint.support().unknowns.iter().zip(&switch.pose) {
             q[u] = *x;
@@ -147,7 +163,7 @@ impl Model {
 #[derive(Default)]
 pub(crate) struct Joints {
     engaged: Vec<bool>,
-    posed: Vec<Option<Products>>,
+    posed: Vec<Option<Box<dyn Joint>>>,
     /// For each multiplier whether its row reads `lambda_ = 0`.
     off: Vec<bool>,
 }
@@ -189,7 +205,7 @@ impl Joints {
     /// Joint `k`.
     pub(crate) fn get<'a>(&'a self, model: &'a Model, k: usize) -> &'a dyn Joint {
         match self.posed.get(k) {
-            Some(Some(joint)) => joint,
+            Some(Some(joint)) => joint.as_ref(),
             _ => model.joints[k].joint.as_ref(),
         }
     }

@@ -78,7 +78,10 @@ pub(crate) struct PlacedJoint {
     pub name: String,
     pub joint: Box<dyn Joint>,
     pub first: usize,
+    /// The first of one element for each window, or the only one.
     pub element: usize,
+    /// For each window the local numbers of its unknowns.
+    pub windows: Vec<Vec<usize>>,
 }
 
 /// How a joint is released and engaged.

@@ -121,7 +121,7 @@ impl Model {
         let x: Vec<f64> = placed.joint.support().unknowns.iter().map(|&u| q[u]).collect();
         let m = placed.joint.equations();
         let posed = switch.and_then(|switch| self.posed(switch).ok());
-        let joint: &dyn Joint = posed.as_ref().map_or(placed.joint.as_ref(), |posed| posed);
+        let joint: &dyn Joint = posed.as_deref().unwrap_or(placed.joint.as_ref());
         joint.reaction(t, &x, &lambda_[placed.first..placed.first + m])
     }
 
@@ -136,7 +136,7 @@ impl Model {
     ) -> Option<[f64; 2]> {
         let posed = switch.and_then(|switch| self.posed(switch).ok());
         let placed = self.joints[joint].joint.as_ref();
-        let joint: &dyn Joint = posed.as_ref().map_or(placed, |posed| posed);
+        let joint: &dyn Joint = posed.as_deref().unwrap_or(placed);
         let local = |x: &[f64]| joint.support().unknowns.iter().map(|&u| x[u]).collect::<Vec<_>>();
         joint.motion(&local(q), &local(v))
     }

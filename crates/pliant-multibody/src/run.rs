@@ -358,6 +358,10 @@ impl Run {
     /// Takes equations that were left out because they followed from others in again where they do so no longer.
     fn check_drift(&mut self) -> Result<(), Error> {
         let state = self.integrator.state();
+        if let Some(message) = self.integrator.problem().strayed(&state.q) {
+            let source = EvaluationError { message, recoverable: false };
+            return Err(Error::Evaluation { t: state.t, source });
+        }
         if self.integrator.problem().drift(state.t, &state.q) > LARGEST_DRIFT {
             let Self { integrator, pool, .. } = self;
             on(pool.as_ref(), || integrator.restart_on_constraints())?;

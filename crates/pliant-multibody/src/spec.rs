@@ -278,6 +278,30 @@ pub enum JointSpec {
         /// Axis of the second at the start.
         axis_b: [f64; 3],
     },
+    /// A point slides along a straight line (2 equations).
+    SlideLine {
+        /// Name.
+        name: String,
+        /// The point.
+        a: PointSpec,
+        /// A point of the line.
+        b: PointSpec,
+        /// Direction at the start.
+        axis: [f64; 3],
+    },
+    /// A point slides along a cable (3 equations, and the arc length as a coordinate).
+    SlideCable {
+        /// Name.
+        name: String,
+        /// The point.
+        a: PointSpec,
+        /// Number of the cable.
+        cable: usize,
+        /// Number of the joint among those of its kind.
+        slide: usize,
+        /// Arc length at the start [m].
+        s: f64,
+    },
     /// Two points stay a length apart (1 equation).
     Distance {
         /// Name.
@@ -296,13 +320,14 @@ impl JointSpec {
     #[must_use]
     pub fn points(&self) -> (&str, &PointSpec, Option<&PointSpec>) {
         match self {
-            Self::Clamp { name, a, .. } => (name, a, None),
+            Self::Clamp { name, a, .. } | Self::SlideCable { name, a, .. } => (name, a, None),
             Self::Pin { name, a, b }
             | Self::Weld { name, a, b }
             | Self::Hinge { name, a, b, .. }
             | Self::Slider { name, a, b, .. }
             | Self::Cylindrical { name, a, b, .. }
             | Self::Universal { name, a, b, .. }
+            | Self::SlideLine { name, a, b, .. }
             | Self::Distance { name, a, b, .. } => (name, a, Some(b)),
         }
     }

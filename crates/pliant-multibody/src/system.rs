@@ -2,6 +2,7 @@
 
 mod forces;
 mod growth;
+mod window;
 
 use crate::error::ModelError;
 use crate::forces::Part;
@@ -19,6 +20,7 @@ use pliant_dae::redundancy::smallest_multipliers;
 use pliant_dae::structure::{Storage, Structure, entry_number};
 use pliant_elements::{self as elements, Motion, Parameter, Workspace};
 use std::sync::Arc;
+use window::Window;
 
 /// What the caller's functions of time return at a time, all components one after the other.
 pub type Inputs = Box<dyn FnMut(f64) -> Result<Vec<f64>, String> + Send>;
@@ -131,6 +133,20 @@ impl System {
         // Dissipation begins anew: velocities jump.
         self.memory.damping.clear();
         Ok(true)
+    }
+
+    /// The first joint that has left what it moves on, and how.
+    #[must_use]
+    pub fn strayed(&self, q: &[f64]) -> Option<String> {
+        if self.model.map.slides.is_empty() {
+            return None;
+        }
+        let mut x = Vec::new();
+        self.model.joints.iter().filter(|placed| !placed.windows.is_empty()).find_map(|placed| {
+            gather(placed.joint.support(), q, &mut x);
+            let how = placed.joint.strayed(&x)?;
+            Some(format!("joint '{}': {how}", placed.name))
+        })
     }
 
     /// Adds an impact to the audit: velocities jump by `dv` to `after`. What is lost is the energy of the jump; the
@@ -417,6 +433,11 @@ impl System {
             let joint = self.joints.get(&self.model, k);
             gather(joint.support(), at.q, x);
             let (n, m) = (x.len(), joint.equations());
+            if !placed.windows.is_empty() {
+                let window = Window { placed, joint, off: &off[placed.first..placed.first + m] };
+                window.tangents(&self.model.structure, (at, x), weights, jacobian, values);
+                continue;
+            }
             jacobian.clear();
             jacobian.resize(n * m, 0.0);
             hessian.clear();

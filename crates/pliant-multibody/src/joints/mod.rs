@@ -8,11 +8,13 @@ pub mod pin;
 pub mod product;
 pub mod rigidity;
 pub mod side;
+pub mod slide_cable;
+pub mod slide_line;
 pub mod slider;
 pub mod universal;
 pub mod weld;
 
-use crate::point::Support;
+use crate::point::{Interpolation, Support};
 use crate::spec::JointSpec;
 use nalgebra::Vector3;
 use product::Products;
@@ -32,8 +34,27 @@ pub fn of_spec(joint: &JointSpec, a: &Side<'_>, b: &Side<'_>) -> Option<Products
         JointSpec::Universal { axis_a, axis_b, .. } => {
             universal::universal(a, b, unit(axis_a)?, unit(axis_b)?)
         }
+        JointSpec::SlideLine { axis, .. } => slide_line::slide_line(a, b, unit(axis)?),
+        JointSpec::SlideCable { .. } => None,
         JointSpec::Distance { length, .. } => Some(distance::distance(a, b, *length)),
     }
+}
+
+/// A joint over all coordinates, before its place in the equations is known.
+pub trait Draft {
+    /// Number of equations.
+    fn count(&self) -> usize;
+
+    /// Vectors that the equations are made of.
+    fn interpolations(&self) -> Vec<&Interpolation>;
+
+    /// Vectors of the parts of a joint that acts on one part of its coordinates at a time, see [`Joint::window`].
+    fn windows(&self) -> Vec<Vec<&Interpolation>> {
+        Vec::new()
+    }
+
+    /// The same joint over the coordinates of `support`.
+    fn placed(self: Box<Self>, support: Support) -> Box<dyn Joint>;
 }
 
 /// One joint. Coordinates reach it as its local vector `x`, the unknowns of its [`Support`].
@@ -78,6 +99,23 @@ pub trait Joint: Send + Sync {
 
     /// Force [N] and moment [N m] that the joint exerts on its first body, about the joint's point.
     fn reaction(&self, t: f64, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]);
+
+    /// Number of the part of its coordinates that it acts on at present, of those of [`Draft::windows`].
+    fn window(&self, x: &[f64]) -> usize {
+        let _ = x;
+        0
+    }
+
+    /// Entries (row, column, value) of `(phi_q^T lambda_)_q`, for joints with windows.
+    fn hessian_entries(&self, x: &[f64], lambda_: &[f64], out: &mut Vec<(usize, usize, f64)>) {
+        let _ = (x, lambda_, out);
+    }
+
+    /// What is wrong where it has left what it moves on.
+    fn strayed(&self, x: &[f64]) -> Option<String> {
+        let _ = x;
+        None
+    }
 
     /// The joint's freedom and its rate, where it leaves a single one that is a number.
     fn motion(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {

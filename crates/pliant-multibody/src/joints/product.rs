@@ -4,7 +4,7 @@
 //! `factor (du/dq^T dw/dq + dw/dq^T du/dq)` is constant. With it `phi_qq(v, v) = 2 factor u'.w'`, and the third
 //! derivative at zero jerk is `3 factor (u''.w' + u'.w'')`.
 
-use super::Joint;
+use super::{Draft, Joint};
 use crate::point::{Interpolation, Support};
 use crate::vector::vector;
 use nalgebra::Vector3;
@@ -104,20 +104,9 @@ impl Products {
         Self { equations, freedom, support: Support::default() }
     }
 
-    /// Number of equations.
-    #[must_use]
-    pub fn count(&self) -> usize {
-        self.equations.len()
-    }
-
-    /// Vectors that the equations are made of.
-    pub fn interpolations(&self) -> impl Iterator<Item = &Interpolation> {
-        self.equations.iter().flat_map(|p| [&p.u.value, &p.w.value])
-    }
-
     /// The same joint over the coordinates of `support`.
     #[must_use]
-    pub fn placed(self, support: Support) -> Self {
+    pub fn over(self, support: Support) -> Self {
         let local = |arm: Arm| Arm { value: support.localize(&arm.value), role: arm.role };
         let equations = self
             .equations
@@ -131,6 +120,20 @@ impl Products {
             Freedom::Length { u, w } => Freedom::Length { u: local(u), w: local(w) },
         });
         Self { equations, freedom, support }
+    }
+}
+
+impl Draft for Products {
+    fn count(&self) -> usize {
+        self.equations.len()
+    }
+
+    fn interpolations(&self) -> Vec<&Interpolation> {
+        self.equations.iter().flat_map(|p| [&p.u.value, &p.w.value]).collect()
+    }
+
+    fn placed(self: Box<Self>, support: Support) -> Box<dyn Joint> {
+        Box::new((*self).over(support))
     }
 }
 
