@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import tempfile
 import time
+from pathlib import Path
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
@@ -24,16 +25,14 @@ class Browser:
     def __init__(self, path, size=(1100, 760)):
         self.errors, self.requests = [], []
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        theirs_in, ours_out = os.pipe()
-        ours_in, theirs_out = os.pipe()
-
-        def connect():
-            # The browser reads 3 and writes 4; both may be taken by the ends of our pipes.
-            read, write = os.dup(theirs_in), os.dup(theirs_out)
-            os.dup2(read, 3)
-            os.dup2(write, 4)
-
+        # The browser reads descriptor 3 and writes 4; named pipes spare games with numbers.
+        ask, answer = (Path(self._folder.name) / name for name in ("ask", "answer"))
+        os.mkfifo(ask)
+        os.mkfifo(answer)
         command = [
+            "sh",
+            "-c",
+            f'exec "$0" "$@" 3<"{ask}" 4>"{answer}"',
             path,
             "--headless=new",
             "--no-sandbox",
@@ -46,16 +45,9 @@ class Browser:
             f"--user-data-dir={self._folder.name}",
             "about:blank",
         ]
-        self._process = subprocess.Popen(
-            command,
-            preexec_fn=connect,
-            pass_fds=(3, 4),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        os.close(theirs_in)
-        os.close(theirs_out)
-        self._out, self._in = os.fdopen(ours_out, "wb", buffering=0), os.fdopen(ours_in, "rb", buffering=0)
+        self._process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self._out = ask.open("wb", buffering=0)
+        self._in = answer.open("rb", buffering=0)
         self._number, self._left = 0, b""
         target = self.call("Target.createTarget", url="about:blank")
         answer = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)
