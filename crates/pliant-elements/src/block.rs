@@ -6,6 +6,7 @@
 
 mod build;
 mod lanes;
+mod lengths;
 mod output;
 mod scalar;
 
@@ -14,10 +15,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::element::{Block, Momentum, Motion, Slot, Weights, Workspace};
-use crate::elements::cable::{CableLaw, FixedLaw, LawSource, NodeOffsets, place};
+use crate::elements::cable::{CableLaw, FixedLaw, LawSource, NodeOffsets, WoundLaw, place};
 
 pub(crate) use lanes::ResidualRows;
 use lanes::Sums;
+use lengths::Lengths;
 pub use scalar::Parameter;
 
 /// Lanes per group of elements.
@@ -51,6 +53,8 @@ pub struct CableBlock {
     core: Vec<Core>,
     /// Gram forms, parallel to `core`; empty where the law has no use for them.
     gram: Vec<Gram>,
+    /// Factors of the lengths; empty without winches.
+    lengths: Lengths,
     extent: usize,
 }
 
@@ -192,6 +196,7 @@ macro_rules! with_law {
             1 => $self.$method(FixedLaw::<1>, $($argument),*),
             4 => $self.$method(FixedLaw::<4>, $($argument),*),
             32 => $self.$method(FixedLaw::<32>, $($argument),*),
+            _ if $self.law.wound => $self.$method(WoundLaw($self.law), $($argument),*),
             _ => $self.$method($self.law, $($argument),*),
         }
     };

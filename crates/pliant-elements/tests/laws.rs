@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    Random, example, laws, local_velocities, perturbed, reference, rotate_all, symmetric_full,
+    Random, example, hauled, laws, local_velocities, perturbed, reference, rotate_all, symmetric_full,
 };
 use pliant_elements::{
     Bending, Block, CableLaw, Integration, Motion, Reference, Strain, Weights, elements::KINDS,
@@ -33,7 +33,7 @@ fn every_registered_kind_is_here() {
     for kind in KINDS {
         assert_eq!(kind.name, "cable", "write the laws of {}", kind.name);
     }
-    assert_eq!(laws().count(), 64);
+    assert_eq!(laws().count(), 128);
     for law in laws() {
         assert_eq!(CableLaw::from_code(law.code()), law);
     }
@@ -78,7 +78,7 @@ fn tangent_is_the_derivative_of_the_force() {
 #[test]
 fn damping_tangent_is_the_derivative_by_velocities() {
     for law in laws() {
-        let block = example(law);
+        let block = hauled(law);
         let q = perturbed(&block, 0.1, 3);
         let v = Random(4).vector(q.len());
         let motion = Motion { q: &q, v: &v, a: &v };
@@ -100,7 +100,7 @@ fn damping_tangent_is_the_derivative_by_velocities() {
 fn tangent_of_moving_state_is_symmetric_and_near_the_complete_one() {
     // In the slack transition the slope of N varies by its own size: what is left out there is not small.
     for law in laws().filter(|law| law.damped && !law.tension_only) {
-        let block = example(law);
+        let block = hauled(law);
         let q = perturbed(&block, 0.05, 5);
         let v: Vec<f64> = Random(6).vector(q.len()).iter().map(|v| 0.3 * v).collect();
         let motion = Motion { q: &q, v: &v, a: &v };
@@ -144,6 +144,8 @@ fn reference_is_free_of_stress_and_energy() {
     for law in laws() {
         let block = example(law);
         let q = if law.reference == Reference::Planar { reference() } else { common::straight() };
+        let factor = if law.wound { common::FACTOR } else { 1.0 };
+        let q: Vec<f64> = q.iter().map(|x| factor * x).collect();
         let scale = 1e3;
         for e in 0..4 {
             let force = testing::force(&block, e, &block.local(e, &q), &[0.0; 12]);
@@ -168,7 +170,7 @@ fn rigid_rotation(law: CableLaw) -> rotation::Quaternion {
 #[test]
 fn energy_and_force_are_objective() {
     for law in laws() {
-        let block = example(law);
+        let block = hauled(law);
         let q = perturbed(&block, 0.1, 8);
         let v = Random(9).vector(q.len());
         let turn = rigid_rotation(law);
@@ -356,4 +358,98 @@ fn slack_cable_carries_next_to_nothing_and_tight_one_all() {
             assert_eq!(force(1.0).0, 0.0);
         }
     }
+}
+
+/// A wound cable is an ordinary one of the scaled length, with slopes by the scaled arc length.
+#[test]
+fn wound_cable_is_an_ordinary_one_of_another_length() {
+    for law in laws().filter(|law| law.wound) {
+        let block = hauled(law);
+        let factor = common::FACTOR;
+        let scaled = |q: &[f64]| -> [f64; 12] {
+            std::array::from_fn(|k| if k / 3 % 2 == 1 { q[k] / factor } else { q[k] })
+        };
+        let shape = |x: [f64; 3], s: f64| x.map(|x| s * x);
+        let section = |xi: f64| {
+            let s = ELEMENT as f64 + xi;
+            pliant_elements::Section {
+                axial_stiffness: common::EA * (1.0 + 0.2 * s),
+                bending_stiffness: common::EI * (1.0 + 0.1 * s * s),
+                mass_per_length: 1.0,
+            }
+        };
+        let element = common::element(law, ELEMENT);
+        let element = pliant_elements::CableElement {
+            length: factor * element.length,
+            sections: pliant_elements::Sections::sample(section),
+            reference: element
+                .reference
+                .map(|[r1, t1, r2, t2]| [shape(r1, factor), t1, shape(r2, factor), t2]),
+            ..element
+        };
+        let other = common::one(CableLaw { wound: false, ..law }, element, 1);
+        let q = block.local(ELEMENT, &perturbed(&block, 0.1, 16));
+        let v = block.local(ELEMENT, &Random(17).vector(30));
+        // Rates of strain are those of nodes that do not follow the scaling of the length.
+        let mu = common::RATE / factor;
+        let moving: [f64; 12] = std::array::from_fn(|k| v[k] - mu * q[k]);
+        let energy = testing::energy(&block, ELEMENT, &q);
+        let expected = testing::energy(&other, 0, &scaled(&q));
+        assert!((energy / expected - 1.0).abs() < 1e-12, "{law:?}");
+        let force = testing::force(&block, ELEMENT, &q, &v).to_vec();
+        let expected = testing::force(&other, 0, &scaled(&q), &scaled(&moving));
+        let error = relative_error(&[force], &[scaled(&expected).to_vec()]);
+        assert!(error < 1e-12, "{law:?}: {error}");
+    }
+}
+
+#[test]
+fn winch_does_work_by_the_derivative_of_the_energy_by_the_length() {
+    for law in laws().filter(|law| law.wound) {
+        let mut block = hauled(law);
+        let q = perturbed(&block, 0.1, 18);
+        let v = Random(19).vector(q.len());
+        let motion = Motion { q: &q, v: &v, a: &v };
+        let [elastic, _] = block.length_forces(0, motion);
+        let mut energy = |factor: f64| {
+            block.set_length(0, factor, 0.0);
+            block.elastic_energy(&q)
+        };
+        let h = 1e-5;
+        let slope = (energy(common::FACTOR + h) - energy(common::FACTOR - h)) / (2.0 * h);
+        // Central differences: h^2 times a third derivative a few hundred times the first.
+        assert!((elastic / slope - 1.0).abs() < 1e-6, "{law:?}: {elastic} {slope}");
+    }
+}
+
+#[test]
+fn line_that_shrinks_with_its_stress_free_length_dissipates_nothing() {
+    for law in laws().filter(|law| law.wound && law.damped) {
+        let block = hauled(law);
+        let q = perturbed(&block, 0.1, 20);
+        let mu = common::RATE / common::FACTOR;
+        let v: Vec<f64> = q.iter().map(|x| mu * x).collect();
+        let other = Random(21).vector(q.len());
+        let loss = block.dissipation(&q, &other);
+        assert!(loss > 0.0, "{law:?}");
+        assert!(block.dissipation(&q, &v).abs() < 1e-12 * loss, "{law:?}");
+        // Held nodes of a shrinking line resist the winch.
+        assert!(block.dissipation(&q, &vec![0.0; q.len()]) > 0.0, "{law:?}");
+    }
+}
+
+/// Pure stretch of a straight line, held while its stress-free length shrinks.
+#[test]
+fn damping_power_of_a_winch_is_the_textbook_one() {
+    let law = CableLaw { damped: true, wound: true, strain: Strain::Biot, ..CableLaw::default() };
+    let tau = 0.05;
+    let mut block = common::uniform(law, 2, tau);
+    let (factor, rate, stretch) = (0.9, -0.4, 1.1);
+    block.set_length(0, factor, rate);
+    let q: Vec<f64> = common::line(2).iter().map(|c| c * stretch).collect();
+    // eps = stretch/lambda - 1: its rate, squared, over the scaled length.
+    let eps_rate = -stretch * rate / (factor * factor);
+    let expected = tau * common::EA * eps_rate * eps_rate * factor * 2.0 * common::LENGTH;
+    let found = block.dissipation(&q, &[0.0; 18]);
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{CHUNK, CableBlock, Core, Gram, LANES};
+use super::{CHUNK, CableBlock, Core, Gram, LANES, Lengths};
 use crate::elements::cable::{Cable, CableElement, CableLaw, NodeOffsets, Reference, place};
 use crate::error::ElementError;
 use crate::integrals::cable::Numbers;
@@ -67,6 +67,8 @@ impl CableBlock {
                 slots[first..=last].iter().enumerate().all(follows)
             })
             .collect();
+        let lengths =
+            if law.wound { Lengths::new(is_bridge.len()) } else { Lengths::default() };
         Ok(Self {
             law,
             slots,
@@ -76,6 +78,7 @@ impl CableBlock {
             groups: store.groups,
             core: store.core,
             gram: store.gram,
+            lengths,
             extent,
         })
     }

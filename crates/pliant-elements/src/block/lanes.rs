@@ -7,7 +7,10 @@ use std::ops::Range;
 
 use super::{CHUNK, CHUNK_SUMS, CableBlock, Core, GROUP_VALUES, Gram, LANES};
 use crate::element::{Motion, Weights};
-use crate::elements::cable::{Column, LawSource, Nodal, NodeOffsets, force, inertia};
+use crate::elements::cable::tangent as tangent_kernel;
+use crate::elements::cable::{
+    Column, LawSource, Nodal, NodeOffsets, force, inertia, wound_force, wound_tangent,
+};
 
 /// Room for a chunk's nodes and the lanes beyond.
 const WIDTH: usize = CHUNK + LANES;
@@ -208,7 +211,13 @@ impl<L: LawSource> WithSimd for Residual<'_, L> {
                 } else {
                     None
                 };
-                let internal = force(law, column, &nodal(simd, x, e), rates);
+                let nodes = nodal(simd, x, e);
+                let internal = if L::WOUND {
+                    let scale = self.block.lengths.lanes(simd, first + e);
+                    wound_force(law, column, &nodes, rates, scale)
+                } else {
+                    force(law, column, &nodes, rates)
+                };
                 let mut acceleration = nodal(simd, a, e);
                 acceleration[0] = acceleration[0] - gravity;
                 acceleration[2] = acceleration[2] - gravity;
@@ -310,12 +319,16 @@ impl<L: LawSource> WithSimd for Tangent<'_, L> {
                         let at = k * LANES + lane;
                         value.store(&mut values[at..at + S::F64_LANES]);
                     };
-                    tangent_kernel(law, column, &nodes, rates.as_ref(), self.weights, store);
+                    let (rates, weights) = (rates.as_ref(), self.weights);
+                    if L::WOUND {
+                        let scale = self.block.lengths.lanes(simd, first + e);
+                        wound_tangent(law, column, &nodes, rates, weights, scale, store);
+                    } else {
+                        tangent_kernel(law, column, &nodes, rates, weights, store);
+                    }
                     lane += S::F64_LANES;
                 }
             }
         }
     }
 }
-
-use crate::elements::cable::tangent as tangent_kernel;

@@ -5,9 +5,9 @@ use pliant_math::quadrature::{GAUSS_5, LOBATTO_3};
 
 use super::scalar::vectors;
 use super::{CableBlock, place};
-use crate::element::Momentum;
+use crate::element::{Momentum, Motion};
 use crate::elements::cable::{
-    Column, Integration, Strain, curvature, force, inertia, mid_strain_and_force,
+    Column, Integration, Strain, curvature, inertia, mid_strain_and_force, wound_force,
 };
 
 impl CableBlock {
@@ -41,15 +41,18 @@ impl CableBlock {
         if !self.law.damped {
             return 0.0;
         }
-        self.real_elements()
+        let nodes: f64 = self
+            .real_elements()
             .map(|(e, _)| {
                 let x = vectors(&self.local(e, q));
                 let rates = vectors(&self.local(e, v));
-                let total = force(self.law, self.column(e), &x, Some(&rates));
-                let elastic = force(self.law, self.column(e), &x, None);
+                let (column, scale) = (self.column(e), self.scale(e, 1.0));
+                let total = wound_force(self.law, column, &x, Some(&rates), scale);
+                let elastic = wound_force(self.law, column, &x, None, scale);
                 (0..4).map(|k| (total[k] - elastic[k]).dot(rates[k])).sum::<f64>()
             })
-            .sum()
+            .sum();
+        nodes + self.length_dissipation(Motion { q, v, a: v })
     }
 
     pub(super) fn total_momentum(&self, q: &[f64], v: &[f64]) -> Momentum {
@@ -109,24 +112,28 @@ impl CableBlock {
         self.number(e, place::AXIAL + k) * inverse_length / (weight * j0)
     }
 
+    fn mid_strain_and_force(&self, e: usize, q: &[f64]) -> (f64, f64) {
+        let x = vectors(&self.local(e, q));
+        mid_strain_and_force(self.law, self.column(e), &x, self.scale(e, 1.0))
+    }
+
     /// Axial strain at the middle of element `e`.
     #[must_use]
     pub fn axial_strain(&self, e: usize, q: &[f64]) -> f64 {
-        mid_strain_and_force(self.law, self.column(e), &vectors(&self.local(e, q))).0
+        self.mid_strain_and_force(e, q).0
     }
 
     /// Elastic axial force at the middle of element `e` [N], conjugate to the strain; damping left out.
     #[must_use]
     pub fn axial_force(&self, e: usize, q: &[f64]) -> f64 {
-        let over_stiffness =
-            mid_strain_and_force(self.law, self.column(e), &vectors(&self.local(e, q))).1;
-        over_stiffness * self.mid_stiffness(e)
+        self.mid_strain_and_force(e, q).1 * self.mid_stiffness(e)
     }
 
     /// Material curvature vector `r' x r''/(|r'|^2 J0)` at the middle of element `e` [1/m].
     #[must_use]
     pub fn curvature(&self, e: usize, q: &[f64]) -> [f64; 3] {
         let j0 = self.mid_metric(e).1;
-        curvature(self.column(e), &vectors(&self.local(e, q))).map(|c| c / j0)
+        let scale = self.scale(e, 1.0);
+        curvature(self.column(e), &vectors(&self.local(e, q)), scale).map(|c| c / j0)
     }
 }

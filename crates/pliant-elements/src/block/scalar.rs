@@ -5,7 +5,7 @@ use pliant_math::{Dual, Real, Vec3};
 use super::{CableBlock, Core, Gram, LANES};
 use crate::element::{Motion, Weights};
 use crate::elements::cable::{
-    Column, Nodal, NodeOffsets, elastic_energy, force, inertia, place, tangent,
+    Column, Nodal, NodeOffsets, inertia, place, wound_energy, wound_force, wound_tangent,
 };
 
 /// A parameter that forces depend on linearly.
@@ -104,6 +104,11 @@ impl CableBlock {
         }
     }
 
+    /// The numbers of the axial part alone.
+    pub(super) fn axial_column(&self, e: usize) -> ScalarColumn<'_> {
+        ScalarColumn { only: Some(Parameter::AxialStiffness), ..self.column(e) }
+    }
+
     /// Local coordinates (r1, t1, r2, t2) of element `e`.
     #[must_use]
     pub fn local(&self, e: usize, global: &[f64]) -> [f64; 12] {
@@ -124,7 +129,7 @@ impl CableBlock {
     where
         for<'a> ScalarColumn<'a>: Column<T>,
     {
-        elastic_energy(self.law, self.column(e), &vectors(q))
+        wound_energy(self.law, self.column(e), &vectors(q), self.scale(e, q[0]))
     }
 
     /// Internal force of element `e` at local coordinates and velocities, over any kind of number.
@@ -134,7 +139,7 @@ impl CableBlock {
     {
         let rates = vectors(v);
         let rates = self.law.damped.then_some(&rates);
-        flatten(&force(self.law, self.column(e), &vectors(q), rates))
+        flatten(&wound_force(self.law, self.column(e), &vectors(q), rates, self.scale(e, q[0])))
     }
 
     fn column_force(
@@ -149,7 +154,8 @@ impl CableBlock {
         a[0] = a[0] - gravity.into();
         a[2] = a[2] - gravity.into();
         let rates = self.law.damped.then(|| vectors(&self.local(e, motion.v)));
-        let internal = flatten(&force(self.law, column, &x, rates.as_ref()));
+        let internal = wound_force(self.law, column, &x, rates.as_ref(), self.scale(e, 1.0));
+        let internal = flatten(&internal);
         let inertial = flatten(&inertia(column, &a));
         std::array::from_fn(|k| internal[k] + inertial[k])
     }
@@ -166,7 +172,8 @@ impl CableBlock {
         let x = vectors(&self.local(e, motion.q));
         let rates = self.law.damped.then(|| vectors(&self.local(e, motion.v)));
         let mut out = [0.0; 78];
-        tangent(self.law, self.column(e), &x, rates.as_ref(), weights, |k, c: f64| out[k] = c);
+        let (column, scale) = (self.column(e), self.scale(e, 1.0));
+        wound_tangent(self.law, column, &x, rates.as_ref(), weights, scale, |k, c: f64| out[k] = c);
         out
     }
 

@@ -13,6 +13,7 @@ mod data;
 mod energy;
 mod force;
 mod tangent;
+mod wound;
 
 pub use data::{
     Bending, Cable, CableElement, CableLaw, Integration, NodeOffsets, Reference, Section, Sections,
@@ -21,6 +22,7 @@ pub use data::{
 pub(crate) use energy::{curvature, elastic_energy, mid_strain_and_force};
 pub(crate) use force::{force, inertia};
 pub(crate) use tangent::tangent;
+pub(crate) use wound::{Scale, length_forces, wound_energy, wound_force, wound_tangent};
 
 use pliant_math::{Real, Vec3};
 
@@ -73,7 +75,21 @@ pub(crate) trait Column<T>: Copy {
 
 /// The law of a block: a value known at compile time for the common laws, else read at run time.
 pub(crate) trait LawSource: Copy + Send + Sync {
+    /// Whether winches change lengths, known at compile time: nothing else pays for it.
+    const WOUND: bool = false;
     fn law(self) -> CableLaw;
+}
+
+/// The law of cables on winches.
+#[derive(Clone, Copy)]
+pub(crate) struct WoundLaw(pub CableLaw);
+
+impl LawSource for WoundLaw {
+    const WOUND: bool = true;
+    #[inline(always)]
+    fn law(self) -> CableLaw {
+        self.0
+    }
 }
 
 impl LawSource for CableLaw {

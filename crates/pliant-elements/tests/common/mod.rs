@@ -101,8 +101,21 @@ pub fn example(law: CableLaw) -> CableBlock {
         })
         .collect();
     let cable = Cable { nodes: nodes(0, 5), elements, ..cable(law, 4) };
-    CableBlock::new(law, &[cable]).unwrap()
+    let mut block = CableBlock::new(law, &[cable]).unwrap();
+    block.set_length(0, FACTOR, 0.0);
+    block
 }
+
+/// The same while its winches haul.
+pub fn hauled(law: CableLaw) -> CableBlock {
+    let mut block = example(law);
+    block.set_length(0, FACTOR, RATE);
+    block
+}
+
+/// What winches make of the length of the example, and its rate where it is hauled.
+pub const FACTOR: f64 = 0.85;
+pub const RATE: f64 = 0.3;
 
 /// A small generator of numbers in [-1, 1].
 pub struct Random(pub u64);

@@ -56,11 +56,13 @@ pub struct CableLaw {
     pub tension_only: bool,
     /// Whether there is Kelvin-Voigt damping.
     pub damped: bool,
+    /// Whether winches change the stress-free lengths.
+    pub wound: bool,
 }
 
 impl CableLaw {
     /// Number of different laws.
-    pub const COUNT: u8 = 64;
+    pub const COUNT: u8 = 128;
 
     /// The law of a code below [`Self::COUNT`].
     #[must_use]
@@ -73,6 +75,7 @@ impl CableLaw {
             reference: if code & 8 == 0 { Reference::Straight } else { Reference::Planar },
             tension_only: code & 16 != 0,
             damped: code & 32 != 0,
+            wound: code & 64 != 0,
         }
     }
 
@@ -85,6 +88,7 @@ impl CableLaw {
             | (self.reference as u8) << 3
             | (self.tension_only as u8) << 4
             | (self.damped as u8) << 5
+            | (self.wound as u8) << 6
     }
 
     /// Whether the axial part is evaluated from the precomputed Gram form.

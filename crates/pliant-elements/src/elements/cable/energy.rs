@@ -5,7 +5,7 @@ use pliant_math::{Real, Vec3};
 
 use super::force::normal;
 use super::{
-    Bending, CableLaw, Column, Integration, Line, Nodal, Reference, axial_law, place, strain,
+    Bending, CableLaw, Column, Integration, Line, Nodal, Reference, Scale, axial_law, place, strain,
 };
 
 /// Elastic energy. Written point by point, so that it checks the forces and the precomputed forms.
@@ -79,8 +79,9 @@ pub(crate) fn mid_strain_and_force(
     law: CableLaw,
     column: impl Column<f64>,
     x: &Nodal<f64>,
+    scale: Scale<f64>,
 ) -> (f64, f64) {
-    let v = Line::new(x, column.get(place::INVERSE_LENGTH)).middle();
+    let v = Line::new(x, column.get(place::INVERSE_LENGTH)).middle().scale(scale.inverse);
     // The middle is point 1 of the Lobatto rule and point 2 of the 5-point Gauss rule.
     let k = match law.integration {
         Integration::Lobatto => 1,
@@ -90,10 +91,10 @@ pub(crate) fn mid_strain_and_force(
     (eps, axial_law(law, column, eps).0)
 }
 
-/// `r' x r''/|r'|^2` at mid-element [1/m], per dx.
-pub(crate) fn curvature(column: impl Column<f64>, x: &Nodal<f64>) -> [f64; 3] {
+/// `r' x r''/|r'|^2` at mid-element [1/m], per stress-free length.
+pub(crate) fn curvature(column: impl Column<f64>, x: &Nodal<f64>, scale: Scale<f64>) -> [f64; 3] {
     let line = Line::new(x, column.get(place::INVERSE_LENGTH));
     let v = line.middle();
-    let scale = column.get(place::INVERSE_LENGTH) / v.dot(v);
+    let scale = column.get(place::INVERSE_LENGTH) * scale.inverse / v.dot(v);
     v.cross(line.second(0.0)).times(scale).array()
 }
