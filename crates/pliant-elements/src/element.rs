@@ -51,6 +51,7 @@ pub struct Momentum {
 pub struct Workspace {
     pub(crate) sums: Vec<f64>,
     pub(crate) rows: Option<Box<ResidualRows>>,
+    pub(crate) surface: Option<Box<crate::surface::Scratch>>,
 }
 
 /// A block of elements of one kind and one law.

@@ -81,4 +81,32 @@ pub enum ElementError {
         /// The retardation time [s].
         value: f64,
     },
+    /// A number of a surface element is outside its range.
+    #[error("face {face}: {name} is {value}; it must be {range}")]
+    FaceOutOfRange {
+        /// Number of the face.
+        face: usize,
+        /// What the number is.
+        name: &'static str,
+        /// The number.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A number of a law is outside its range.
+    #[error("{name} is {value}; it must be {range}")]
+    LawOutOfRange {
+        /// What the number is.
+        name: &'static str,
+        /// The number.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A surface element without area.
+    #[error("face {face} has no area: its corners or slopes coincide")]
+    Degenerate {
+        /// Number of the face.
+        face: usize,
+    },
 }

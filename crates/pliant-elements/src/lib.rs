@@ -8,6 +8,8 @@ pub mod element;
 pub mod elements;
 mod error;
 mod integrals;
+pub mod materials;
+mod surface;
 pub mod testing;
 
 pub use block::{CableBlock, Parameter};
@@ -16,4 +18,6 @@ pub use elements::cable::{
     Bending, Cable, CableElement, CableLaw, Integration, NodeOffsets, Reference, Section, Sections,
     Slack, Strain,
 };
+pub use elements::surface::{Chart, Jet, Quadrature, SURFACE_KINDS, SurfaceKind};
 pub use error::ElementError;
+pub use surface::{SurfaceBlock, SurfaceElement, SurfaceLaw};

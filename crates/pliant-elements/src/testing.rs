@@ -3,6 +3,7 @@
 use pliant_math::Dual;
 
 use crate::block::CableBlock;
+use crate::surface::SurfaceBlock;
 
 /// Elastic energy of element `e` at local coordinates.
 #[must_use]
@@ -25,5 +26,29 @@ pub fn force(block: &CableBlock, e: usize, q: &[f64; 12], v: &[f64; 12]) -> [f64
 /// Internal force of element `e` with its derivative along the dual parts.
 #[must_use]
 pub fn force_dual(block: &CableBlock, e: usize, q: &[Dual; 12], v: &[Dual; 12]) -> [Dual; 12] {
+    block.local_force(e, q, v)
+}
+
+/// Elastic energy of surface element `e` at local coordinates.
+#[must_use]
+pub fn surface_energy(block: &SurfaceBlock, e: usize, q: &[f64]) -> f64 {
+    block.local_energy(e, q)
+}
+
+/// The same with its derivative along the dual parts.
+#[must_use]
+pub fn surface_energy_dual(block: &SurfaceBlock, e: usize, q: &[Dual]) -> Dual {
+    block.local_energy(e, q)
+}
+
+/// Inner force of surface element `e` at local coordinates and velocities.
+#[must_use]
+pub fn surface_force(block: &SurfaceBlock, e: usize, q: &[f64], v: &[f64]) -> Vec<f64> {
+    block.local_force(e, q, v)
+}
+
+/// The same with its derivative along the dual parts.
+#[must_use]
+pub fn surface_force_dual(block: &SurfaceBlock, e: usize, q: &[Dual], v: &[Dual]) -> Vec<Dual> {
     block.local_force(e, q, v)
 }

@@ -74,6 +74,9 @@ impl Real for Dual {
     fn select_positive(self, yes: Self, no: Self) -> Self {
         if self.value > 0.0 { yes } else { no }
     }
+    fn ln(self) -> Self {
+        Self::new(self.value.ln(), self.derivative / self.value)
+    }
     fn asinh(self) -> Self {
         let slope = 1.0 / (1.0 + self.value * self.value).sqrt();
         Self::new(self.value.asinh(), slope * self.derivative)

@@ -9,6 +9,14 @@ pub struct Rule<const N: usize> {
     pub weight: [f64; N],
 }
 
+impl<const N: usize> Rule<N> {
+    /// Points with their weights.
+    #[must_use]
+    pub fn pairs(&self) -> [(f64, f64); N] {
+        std::array::from_fn(|k| (self.xi[k], self.weight[k]))
+    }
+}
+
 /// Gauss, 1 point, exact to degree 1.
 pub const GAUSS_1: Rule<1> = Rule { xi: [0.5], weight: [1.0] };
 

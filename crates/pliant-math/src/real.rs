@@ -28,6 +28,8 @@ pub trait Real:
     fn select_positive(self, yes: Self, no: Self) -> Self;
     /// Inverse hyperbolic sine; a slow path for vector lanes, meant for energies.
     fn asinh(self) -> Self;
+    /// Natural logarithm; a slow path for vector lanes, meant for energies.
+    fn ln(self) -> Self;
 
     /// Zero.
     #[inline(always)]
@@ -92,6 +94,10 @@ impl Real for f64 {
     fn asinh(self) -> Self {
         f64::asinh(self)
     }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        f64::ln(self)
+    }
 }
 
 /// The lanes of one vector register of the instruction set `S`.
@@ -126,6 +132,17 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     fn with(self, value: S::f64s) -> Self {
         Self { simd: self.simd, value }
+    }
+
+    /// One lane after the other.
+    #[inline(always)]
+    fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        let mut lanes = [0.0; 8];
+        self.store(&mut lanes[..Self::COUNT]);
+        for x in &mut lanes {
+            *x = function(*x);
+        }
+        Self::load(self.simd, &lanes[..Self::COUNT])
     }
 }
 
@@ -198,11 +215,10 @@ impl<S: Simd> Real for Lanes<S> {
     }
     #[inline(always)]
     fn asinh(self) -> Self {
-        let mut lanes = [0.0; 8];
-        self.store(&mut lanes[..Self::COUNT]);
-        for x in &mut lanes {
-            *x = f64::asinh(*x);
-        }
-        Self::load(self.simd, &lanes[..Self::COUNT])
+        self.each(f64::asinh)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.each(f64::ln)
     }
 }

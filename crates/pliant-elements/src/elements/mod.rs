@@ -1,6 +1,12 @@
 //! The registry of element kinds.
 
+mod bicubic;
 pub mod cable;
+mod cylindrical;
+mod membrane;
+mod plate;
+pub mod surface;
+mod triangle;
 
 /// One kind of element.
 #[derive(Clone, Copy, Debug)]
@@ -14,8 +20,32 @@ pub struct Kind {
 }
 
 /// Every kind of element. The laws of `tests/laws.rs` run on each; a kind missing there fails the tests.
-pub const KINDS: &[Kind] = &[Kind {
-    name: "cable",
-    coordinates: 12,
-    summary: "Gradient-deficient ANCF cable: stretching and bending, no torsion",
-}];
+pub const KINDS: &[Kind] = &[
+    Kind {
+        name: "cable",
+        coordinates: 12,
+        summary: "Gradient-deficient ANCF cable: stretching and bending, no torsion",
+    },
+    Kind {
+        name: "bicubic",
+        coordinates: 48,
+        summary: "Gradient-deficient ANCF shell on structured meshes, tangent plane continuous",
+    },
+    Kind {
+        name: "cylindrical",
+        coordinates: 24,
+        summary: "Gradient-deficient ANCF shell for strips and tubes that bend along u",
+    },
+    Kind {
+        name: "plate",
+        coordinates: 36,
+        summary: "Gradient-deficient ANCF shell on rectangles, no twist at nodes",
+    },
+    Kind {
+        name: "triangle",
+        coordinates: 27,
+        summary: "Gradient-deficient ANCF shell on triangles, tangent plane continuous",
+    },
+    Kind { name: "quad_membrane", coordinates: 12, summary: "Bilinear membrane, no bending" },
+    Kind { name: "triangle_membrane", coordinates: 9, summary: "Linear membrane, no bending" },
+];

@@ -1,3 +1,4 @@
 //! Integrals that are computed once, when a block is built.
 
 pub(crate) mod cable;
+pub(crate) mod surface;

@@ -1,0 +1,242 @@
+//! What the surface elements share: their registry, and the shape functions at a point.
+//!
+//! An element is a list of n nodal vectors q_i (positions, slopes, twists) with scalar shape functions N_i of the
+//! parameters (u, v) of the mesh: `r = sum_i N_i q_i`. Everything else, kinematics, materials, mass, is common to all
+//! kinds (docs/theory/shell.md).
+
+use super::{bicubic, cylindrical, membrane, plate, triangle};
+use pliant_math::quadrature::{GAUSS_2, GAUSS_3, GAUSS_4};
+
+/// Kind of a surface element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SurfaceKind {
+    /// Bicubic, r, r_u, r_v and r_uv at four nodes: 48 coordinates.
+    Bicubic,
+    /// Cubic along u, linear along v, r and r_u at four nodes: 24 coordinates.
+    Cylindrical,
+    /// Incomplete quartic, r, r_u and r_v at four nodes: 36 coordinates.
+    Plate,
+    /// Reduced Hsieh-Clough-Tocher triangle, r, r_u and r_v at three nodes: 27 coordinates.
+    Triangle,
+    /// Bilinear, r at four nodes: 12 coordinates; no bending.
+    QuadMembrane,
+    /// Linear, r at three nodes: 9 coordinates; no bending.
+    TriangleMembrane,
+}
+
+/// Every kind, for tests.
+pub const SURFACE_KINDS: [SurfaceKind; 6] = [
+    SurfaceKind::Bicubic,
+    SurfaceKind::Cylindrical,
+    SurfaceKind::Plate,
+    SurfaceKind::Triangle,
+    SurfaceKind::QuadMembrane,
+    SurfaceKind::TriangleMembrane,
+];
+
+/// A shape function's value and its derivatives by the parameters u and v.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jet {
+    /// N.
+    pub value: f64,
+    /// dN/du.
+    pub u: f64,
+    /// dN/dv.
+    pub v: f64,
+    /// d2N/du2.
+    pub uu: f64,
+    /// d2N/dv2.
+    pub vv: f64,
+    /// d2N/du dv.
+    pub uv: f64,
+}
+
+/// Functions of one variable with two derivatives each, `[N, N', N'']`.
+pub(crate) type Line<const N: usize> = [[f64; 3]; N];
+
+impl Jet {
+    /// The product of a function of u and one of v.
+    pub(crate) fn product(a: [f64; 3], b: [f64; 3]) -> Self {
+        Self {
+            value: a[0] * b[0],
+            u: a[1] * b[0],
+            v: a[0] * b[1],
+            uu: a[2] * b[0],
+            vv: a[0] * b[2],
+            uv: a[1] * b[1],
+        }
+    }
+}
+
+/// Corners of a quadrilateral in the order of its nodes.
+pub(crate) const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+
+/// Cubic Hermite functions of (r1, r1', r2, r2') on [0, length].
+pub(crate) fn hermite(xi: f64, length: f64) -> Line<4> {
+    use pliant_math::hermite::{shape, shape_derivative, shape_second_derivative};
+    let (n, d, dd) =
+        (shape(xi, length), shape_derivative(xi, length), shape_second_derivative(xi, length));
+    std::array::from_fn(|k| [n[k], d[k], dd[k]])
+}
+
+/// Linear functions on [0, length].
+pub(crate) fn linear(xi: f64, length: f64) -> Line<2> {
+    [[1.0 - xi, -1.0 / length, 0.0], [xi, 1.0 / length, 0.0]]
+}
+
+/// Where the corners of an element lie in the parameters (u, v); triangles have three.
+pub type Chart = [[f64; 2]; 4];
+
+/// Quadrature of an element: places in it and weights that sum to one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Quadrature {
+    /// What is adequate for the kind.
+    #[default]
+    Standard,
+    /// Fewer points for the membrane, stabilised: cures locking of doubly curved bicubic shells.
+    Reduced,
+    /// One more point a direction.
+    Full,
+}
+
+/// A point of a quadrature rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuadraturePoint {
+    /// Place in the element: [0, 1] x [0, 1], or the first two area coordinates' weights of corners 1 and 2.
+    pub at: [f64; 2],
+    /// Weight of the membrane part, over the parameter area.
+    pub membrane: f64,
+    /// Weight of the bending part.
+    pub bending: f64,
+}
+
+/// Part of the finer rule that keeps the reduced membrane free of spurious modes.
+const STABILISATION: f64 = 0.02;
+
+impl SurfaceKind {
+    /// Its name, as in model files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bicubic => "bicubic",
+            Self::Cylindrical => "cylindrical",
+            Self::Plate => "plate",
+            Self::Triangle => "triangle",
+            Self::QuadMembrane => "quad_membrane",
+            Self::TriangleMembrane => "triangle_membrane",
+        }
+    }
+
+    /// The kind of a name.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        SURFACE_KINDS.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Number of corners.
+    #[must_use]
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Triangle | Self::TriangleMembrane => 3,
+            _ => 4,
+        }
+    }
+
+    /// Nodal vectors at each corner, the position first.
+    #[must_use]
+    pub fn vectors_per_node(self) -> usize {
+        match self {
+            Self::Bicubic => 4,
+            Self::Cylindrical => 2,
+            Self::Plate | Self::Triangle => 3,
+            Self::QuadMembrane | Self::TriangleMembrane => 1,
+        }
+    }
+
+    /// Number of nodal vectors.
+    #[must_use]
+    pub fn vectors(self) -> usize {
+        self.corners() * self.vectors_per_node()
+    }
+
+    /// Whether the element resists bending.
+    #[must_use]
+    pub fn bends(self) -> bool {
+        !matches!(self, Self::QuadMembrane | Self::TriangleMembrane)
+    }
+
+    /// The shape functions at a place of the element.
+    #[must_use]
+    pub fn shape(self, chart: &Chart, at: [f64; 2]) -> Vec<Jet> {
+        match self {
+            Self::Bicubic => bicubic::shape(chart, at),
+            Self::Cylindrical => cylindrical::shape(chart, at),
+            Self::Plate => plate::shape(chart, at),
+            Self::Triangle => triangle::shape(chart, at),
+            Self::QuadMembrane => membrane::quad(at),
+            Self::TriangleMembrane => membrane::triangle(at),
+        }
+    }
+
+    /// Area of the element in the parameters of its shape functions.
+    #[must_use]
+    pub fn parameter_area(self, chart: &Chart) -> f64 {
+        match self {
+            Self::QuadMembrane => 1.0,
+            Self::TriangleMembrane => 0.5,
+            Self::Triangle => triangle::area(chart),
+            _ => (chart[1][0] - chart[0][0]) * (chart[3][1] - chart[0][1]),
+        }
+    }
+
+    /// The rule of the elastic energy.
+    #[must_use]
+    pub fn rule(self, quadrature: Quadrature) -> Vec<QuadraturePoint> {
+        let (two, three, four) = (GAUSS_2.pairs(), GAUSS_3.pairs(), GAUSS_4.pairs());
+        match (self, quadrature) {
+            (Self::Bicubic, Quadrature::Standard) => tensor(&three, &three, 1.0, 1.0),
+            (Self::Bicubic, Quadrature::Full) => tensor(&four, &four, 1.0, 1.0),
+            (Self::Bicubic, Quadrature::Reduced) => {
+                let mut rule = tensor(&two, &two, 1.0 - STABILISATION, 0.0);
+                rule.extend(tensor(&three, &three, STABILISATION, 1.0));
+                rule
+            }
+            (Self::Cylindrical, Quadrature::Full) => tensor(&four, &three, 1.0, 1.0),
+            (Self::Cylindrical, _) => tensor(&three, &two, 1.0, 1.0),
+            (Self::Plate, Quadrature::Reduced) => tensor(&three, &three, 1.0, 1.0),
+            (Self::Plate, _) => tensor(&four, &four, 1.0, 1.0),
+            (Self::Triangle, _) => triangle::rule(),
+            (Self::QuadMembrane, Quadrature::Full) => tensor(&three, &three, 1.0, 1.0),
+            (Self::QuadMembrane, _) => tensor(&two, &two, 1.0, 1.0),
+            (Self::TriangleMembrane, _) => membrane::triangle_rule(),
+        }
+    }
+
+    /// The rule of the mass matrix, exact for flat elements.
+    #[must_use]
+    pub fn mass_rule(self) -> Vec<QuadraturePoint> {
+        let (two, four) = (GAUSS_2.pairs(), GAUSS_4.pairs());
+        match self {
+            Self::Bicubic | Self::Plate => tensor(&four, &four, 1.0, 1.0),
+            Self::Cylindrical => tensor(&four, &two, 1.0, 1.0),
+            Self::Triangle => triangle::mass_rule(),
+            Self::QuadMembrane => tensor(&two, &two, 1.0, 1.0),
+            Self::TriangleMembrane => membrane::triangle_mass_rule(),
+        }
+    }
+
+    /// The middle of the element.
+    #[must_use]
+    pub fn middle(self) -> [f64; 2] {
+        if self.corners() == 3 { [1.0 / 3.0, 1.0 / 3.0] } else { [0.5, 0.5] }
+    }
+}
+
+fn tensor(u: &[(f64, f64)], v: &[(f64, f64)], membrane: f64, bending: f64) -> Vec<QuadraturePoint> {
+    let point = |&(x, a): &(f64, f64), &(y, b): &(f64, f64)| QuadraturePoint {
+        at: [x, y],
+        membrane: membrane * a * b,
+        bending: bending * a * b,
+    };
+    u.iter().flat_map(|x| v.iter().map(move |y| point(x, y))).collect()
+}

@@ -1,0 +1,72 @@
+//! Pressure on elements: `f_i = p sum N_i (a_1 x a_2) dA`, along the normal of the vertex order.
+//!
+//! The tangent `K_ij = p sum N_i ([a_1]x B_2j - [a_2]x B_1j) dA` of one element is unsymmetric. Summed over a closed
+//! surface, or one whose rim is held, it is symmetric, and then so is the sum of the elements' symmetric parts.
+
+use super::SurfaceBlock;
+use super::scalar::local;
+use pliant_math::Vec3;
+
+impl SurfaceBlock {
+    /// Calls `work` with the area, the shape functions, B_1 and B_2 and the vectors a_1 and a_2 of each point.
+    fn each_point(
+        &self,
+        e: usize,
+        q: &[f64],
+        mut work: impl FnMut(f64, &[f64], [&[f64]; 2], [Vec3<f64>; 2]),
+    ) {
+        let (table, _, _) = self.element(e);
+        let q = local(&self.local(e, q));
+        let (width, rows) = (self.width(), if self.kind.bends() { 5 } else { 2 });
+        for p in 0..table.points {
+            let row = |s: usize| &table.rows[(rows * p + s) * width..][..q.len()];
+            let sum = |s: usize| {
+                q.iter().zip(row(s)).fold(Vec3::zero(0.0), |sum, (&q, &w)| sum.add_times(w, q))
+            };
+            let shape = &table.shape[p * width..][..q.len()];
+            work(table.areas[p][0], shape, [row(0), row(1)], [sum(0), sum(1)]);
+        }
+    }
+
+    /// Nodal forces of a unit pressure on element `e`, nodal vector by nodal vector.
+    #[must_use]
+    pub fn pressure_force(&self, e: usize, q: &[f64]) -> Vec<f64> {
+        let mut force = vec![0.0; 3 * self.kind.vectors()];
+        self.each_point(e, q, |area, shape, _, a| {
+            let f = a[0].cross(a[1]).times(area).array();
+            for (to, n) in force.chunks_exact_mut(3).zip(shape) {
+                for c in 0..3 {
+                    to[c] += n * f[c];
+                }
+            }
+        });
+        force
+    }
+
+    /// Adds `factor` times the derivative of [`Self::pressure_force`] by the coordinates to `out`, row by row.
+    pub fn add_pressure_jacobian(&self, e: usize, q: &[f64], factor: f64, out: &mut [f64]) {
+        let n = 3 * self.kind.vectors();
+        self.each_point(e, q, |area, shape, [b1, b2], [a1, a2]| {
+            for (i, &weight) in shape.iter().enumerate() {
+                for j in 0..b1.len() {
+                    // d(a_1 x a_2) = a_1 x da_2 - a_2 x da_1 = [v]x dq_j
+                    let v = a1.times(b2[j]).add_times(-b1[j], a2).times(factor * area * weight);
+                    let cross = [[0.0, -v.z, v.y], [v.z, 0.0, -v.x], [-v.y, v.x, 0.0]];
+                    for (c, row) in cross.iter().enumerate() {
+                        for (d, entry) in row.iter().enumerate() {
+                            out[(3 * i + c) * n + 3 * j + d] += entry;
+                        }
+                    }
+                }
+            }
+        });
+    }
+
+    /// Volume between element `e` and the origin, a third of `r.(a_1 x a_2)` over its area [m^3].
+    #[must_use]
+    pub fn volume(&self, e: usize, q: &[f64]) -> f64 {
+        let local = self.local(e, q);
+        let force = self.pressure_force(e, q);
+        local.iter().zip(&force).map(|(x, f)| x * f).sum::<f64>() / 3.0
+    }
+}

@@ -1,0 +1,306 @@
+//! The laws that every kind of surface element obeys, with every material, damping and rule.
+
+mod common;
+mod surfaces;
+
+use common::Random;
+use pliant_elements::{
+    Block, Motion, SURFACE_KINDS, SurfaceBlock, SurfaceKind, SurfaceLaw, Weights, Workspace,
+    elements::KINDS, materials::PlaneStress, testing,
+};
+use pliant_math::Dual;
+use pliant_math::check::{central_difference, dual_jacobian, relative_error};
+use pliant_math::rotation;
+use surfaces::{cases, example, moved, perturbed, rigid_velocities, symmetric_full};
+
+/// Strains of about a tenth: large, and within the domain of every law.
+const SIZE: f64 = 0.06;
+const ELEMENT: usize = 1;
+
+const MASS: Weights = Weights { mass: 1.0, damping: 0.0, stiffness: 0.0 };
+const DAMPING: Weights = Weights { mass: 0.0, damping: 1.0, stiffness: 0.0 };
+const STIFFNESS: Weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
+
+/// Calls `check` with each case, its block, reference state, disturbed state and velocities.
+fn each(mut check: impl FnMut(SurfaceKind, SurfaceLaw, &SurfaceBlock, [&[f64]; 3])) {
+    for (number, (kind, law)) in cases().into_iter().enumerate() {
+        let (block, q) = example(kind, law);
+        let noise = Random(number as u64).vector(q.len());
+        let v = Random(1000 + number as u64).vector(q.len());
+        check(kind, law, &block, [&q, &perturbed(kind, &q, &noise, SIZE), &v]);
+    }
+}
+
+fn constants(x: &[f64]) -> Vec<Dual> {
+    x.iter().map(|&c| Dual::new(c, 0.0)).collect()
+}
+
+#[test]
+fn every_registered_surface_is_here() {
+    let surfaces: Vec<&str> = SURFACE_KINDS.iter().map(|kind| kind.name()).collect();
+    for kind in KINDS.iter().filter(|kind| kind.name != "cable") {
+        assert!(surfaces.contains(&kind.name), "write the laws of {}", kind.name);
+        let surface = SurfaceKind::of_name(kind.name).unwrap();
+        assert_eq!(3 * surface.vectors(), kind.coordinates);
+    }
+}
+
+#[test]
+fn force_is_the_gradient_of_the_energy() {
+    each(|kind, law, block, [_, q, _]| {
+        let local = block.local(ELEMENT, q);
+        let rest = vec![0.0; local.len()];
+        let force = vec![testing::surface_force(block, ELEMENT, &local, &rest)];
+        let dual = dual_jacobian(&local, |q| vec![testing::surface_energy_dual(block, ELEMENT, q)]);
+        let error = relative_error(&dual, &force);
+        assert!(error < 1e-12, "{kind:?} {law:?}: {error}");
+        let difference =
+            central_difference(&local, 1e-6, |q| vec![testing::surface_energy(block, ELEMENT, q)]);
+        assert!(relative_error(&difference, &force) < 1e-7, "{kind:?} {law:?}");
+    });
+}
+
+#[test]
+fn vectorised_force_is_the_scalar_one() {
+    each(|kind, law, block, [_, q, v]| {
+        let rest = vec![0.0; q.len()];
+        let motion = Motion { q, v, a: &rest };
+        let mut force = vec![0.0; q.len()];
+        block.residual(motion, [0.0; 3], &mut Workspace::default(), &mut force, false);
+        let mut expected = vec![0.0; q.len()];
+        for e in 0..block.element_count() {
+            let f = testing::surface_force(block, e, &block.local(e, q), &block.local(e, v));
+            for (&o, f) in block.vectors_of(e).iter().zip(f.chunks(3)) {
+                for c in 0..3 {
+                    expected[o as usize + c] += f[c];
+                }
+            }
+        }
+        let error = relative_error(&[force], &[expected]);
+        assert!(error < 1e-13, "{kind:?} {law:?}: {error}");
+    });
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_force() {
+    each(|kind, law, block, [_, q, _]| {
+        let zero = vec![0.0; q.len()];
+        let motion = Motion { q, v: &zero, a: &zero };
+        let tangent = symmetric_full(&block.element_tangent(ELEMENT, motion, STIFFNESS));
+        let dual = block.element_jacobian(ELEMENT, motion);
+        let error = relative_error(&tangent, &dual);
+        assert!(error < 1e-12, "{kind:?} {law:?}: {error}");
+        let local = block.local(ELEMENT, q);
+        let rest = vec![0.0; local.len()];
+        let difference =
+            central_difference(&local, 1e-6, |q| testing::surface_force(block, ELEMENT, q, &rest));
+        assert!(relative_error(&difference, &tangent) < 1e-6, "{kind:?} {law:?}");
+    });
+}
+
+#[test]
+fn damping_tangent_is_the_derivative_by_velocities() {
+    each(|kind, law, block, [_, q, v]| {
+        let motion = Motion { q, v, a: v };
+        let damping = symmetric_full(&block.element_tangent(ELEMENT, motion, DAMPING));
+        let local = constants(&block.local(ELEMENT, q));
+        let dual = dual_jacobian(&block.local(ELEMENT, v), |v| {
+            testing::surface_force_dual(block, ELEMENT, &local, v)
+        });
+        let error = relative_error(&damping, &dual);
+        assert!(error < 1e-12, "{kind:?} {law:?}: {error}");
+        let size = damping.iter().flatten().fold(0.0_f64, |m, c| m.max(*c));
+        assert_eq!(law.retardation_time > 0.0, size > 0.0);
+    });
+}
+
+#[test]
+fn mass_matrix_is_the_derivative_by_accelerations_and_positive_definite() {
+    each(|kind, law, block, [q, _, _]| {
+        let zero = vec![0.0; q.len()];
+        let local = block.local(ELEMENT, q);
+        let at = |a: &[f64]| {
+            let mut global = zero.clone();
+            for (&o, a) in block.vectors_of(ELEMENT).iter().zip(a.chunks(3)) {
+                global[o as usize..o as usize + 3].copy_from_slice(a);
+            }
+            block.element_force(ELEMENT, Motion { q, v: &zero, a: &global }, [0.0; 3])
+        };
+        let numerical = central_difference(&vec![0.0; local.len()], 1.0, at);
+        let motion = Motion { q, v: &zero, a: &zero };
+        let mass = symmetric_full(&block.element_tangent(ELEMENT, motion, MASS));
+        assert!(relative_error(&numerical, &mass) < 1e-12, "{kind:?} {law:?}");
+        let n = local.len();
+        let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| mass[i][j]);
+        assert!(matrix.symmetric_eigenvalues().min() > 0.0, "{kind:?}");
+    });
+}
+
+#[test]
+fn reference_is_free_of_stress_and_energy() {
+    each(|kind, law, block, [q, disturbed, _]| {
+        let rest = vec![0.0; q.len()];
+        for e in 0..block.element_count() {
+            let local = block.local(e, q);
+            for f in testing::surface_force(block, e, &local, &rest[..local.len()]) {
+                assert!(f.abs() < 1e-12 * surfaces::E, "{kind:?} {law:?}: {f}");
+            }
+        }
+        assert!(block.elastic_energy(q).abs() < 1e-12 * surfaces::E, "{kind:?} {law:?}");
+        assert!(block.elastic_energy(disturbed) > 0.0);
+    });
+}
+
+#[test]
+fn energy_and_force_are_objective() {
+    let turn = rotation::exp([0.4, -1.2, 0.7]);
+    each(|kind, law, block, [_, q, v]| {
+        let (turned, rates) =
+            (moved(kind, turn, q, [3.0, -2.0, 5.0]), moved(kind, turn, v, [0.0; 3]));
+        let (before, after) = (block.elastic_energy(q), block.elastic_energy(&turned));
+        assert!((before - after).abs() < 1e-12 * before, "{kind:?} {law:?}");
+        let force = |q: &[f64], v: &[f64]| {
+            testing::surface_force(
+                block,
+                ELEMENT,
+                &block.local(ELEMENT, q),
+                &block.local(ELEMENT, v),
+            )
+        };
+        let expected = moved(kind, turn, &force(q, v), [0.0; 3]);
+        let error = relative_error(&[force(&turned, &rates)], &[expected]);
+        assert!(error < 1e-11, "{kind:?} {law:?}: {error}");
+    });
+}
+
+#[test]
+fn forces_and_moments_of_a_free_element_vanish() {
+    each(|kind, law, block, [_, q, v]| {
+        let (q, v) = (block.local(ELEMENT, q), block.local(ELEMENT, v));
+        let f = testing::surface_force(block, ELEMENT, &q, &v);
+        let size = f.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let (mut sum, mut moment) = ([0.0; 3], [0.0; 3]);
+        for (k, (x, f)) in q.chunks(3).zip(f.chunks(3)).enumerate() {
+            for c in 0..3 {
+                let (i, j) = ((c + 1) % 3, (c + 2) % 3);
+                moment[c] += x[i] * f[j] - x[j] * f[i];
+                if k % kind.vectors_per_node() == 0 {
+                    sum[c] += f[c];
+                }
+            }
+        }
+        for c in 0..3 {
+            assert!(sum[c].abs() < 1e-12 * size, "{kind:?} {law:?}: {sum:?}");
+            assert!(moment[c].abs() < 1e-12 * size, "{kind:?} {law:?}: {moment:?}");
+        }
+    });
+}
+
+#[test]
+fn damping_takes_energy_but_none_in_rigid_motion() {
+    each(|kind, law, block, [_, q, v]| {
+        let loss = block.dissipation(q, v);
+        assert_eq!(law.retardation_time > 0.0, loss > 0.0, "{kind:?} {law:?}");
+        let turning = rigid_velocities(kind, q, [0.3, -2.0, 0.8], [1.0, -3.0, 0.5]);
+        assert!(block.dissipation(q, &turning).abs() < 1e-12 * (1.0 + loss), "{kind:?} {law:?}");
+    });
+}
+
+#[test]
+fn mass_momentum_and_energy_are_those_of_the_surface() {
+    for kind in SURFACE_KINDS {
+        let (block, q) = surfaces::mesh(kind, surfaces::svk(), surfaces::flat, [3, 2], [0.5, 0.4]);
+        let mass = surfaces::RHO * surfaces::H * 1.5 * 0.8;
+        assert!((block.mass() / mass - 1.0).abs() < 1e-12, "{kind:?}");
+        let moment = block.first_moment(&q);
+        for (m, center) in moment.into_iter().zip([0.75, 0.4, 0.0]) {
+            assert!((m - mass * center).abs() < 1e-12, "{kind:?}");
+        }
+        // Spinning about its middle: I = m (a^2 + b^2)/12.
+        let omega = 2.0;
+        let v = rigid_velocities(kind, &q, [0.0, 0.0, omega], [0.4 * omega, -0.75 * omega, 0.0]);
+        let inertia = mass * (1.5 * 1.5 + 0.8 * 0.8) / 12.0;
+        assert!((block.kinetic_energy(&v) / (0.5 * inertia * omega * omega) - 1.0).abs() < 1e-12);
+        let momentum = block.momentum(&q, &v);
+        assert!(momentum.linear.iter().all(|p| p.abs() < 1e-12), "{kind:?}");
+        assert!((momentum.angular[2] / (inertia * omega) - 1.0).abs() < 1e-12, "{kind:?}");
+    }
+}
+
+#[test]
+fn pressure_tangent_is_the_derivative_and_volume_its_potential() {
+    each(|kind, law, block, [_, q, _]| {
+        if law.retardation_time > 0.0 {
+            return;
+        }
+        let local = block.local(ELEMENT, q);
+        let global = |x: &[f64]| {
+            let mut q = q.to_vec();
+            for (&o, x) in block.vectors_of(ELEMENT).iter().zip(x.chunks(3)) {
+                q[o as usize..o as usize + 3].copy_from_slice(x);
+            }
+            q
+        };
+        let difference =
+            central_difference(&local, 1e-6, |x| block.pressure_force(ELEMENT, &global(x)));
+        let n = local.len();
+        let mut out = vec![0.0; n * n];
+        block.add_pressure_jacobian(ELEMENT, q, 1.0, &mut out);
+        let tangent: Vec<Vec<f64>> = out.chunks(n).map(<[f64]>::to_vec).collect();
+        assert!(relative_error(&difference, &tangent) < 1e-7, "{kind:?}");
+    });
+}
+
+/// Threads do not change the bits: blocks above the size of a task, in pools of one and two threads.
+#[test]
+fn threads_do_not_change_the_bits() {
+    for kind in SURFACE_KINDS {
+        let (block, q) =
+            surfaces::mesh(kind, surfaces::svk(), surfaces::curved, [12, 12], [0.1, 0.1]);
+        let noise = Random(3).vector(q.len());
+        let q = perturbed(kind, &q, &noise, 0.01);
+        let motion = Motion { q: &q, v: &noise, a: &noise };
+        let weights = Weights { mass: 1.0, damping: 0.5, stiffness: 0.3 };
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut force = vec![0.0; q.len()];
+            let mut values = vec![0.0; block.values_len()];
+            pool.install(|| {
+                let parallel = threads > 1;
+                let mut workspace = Workspace::default();
+                block.residual(motion, [0.0, 0.0, -9.81], &mut workspace, &mut force, parallel);
+                block.tangent(motion, weights, &mut values, parallel);
+            });
+            (force, values)
+        };
+        assert_eq!(run(1), run(2), "{kind:?}");
+    }
+}
+
+/// The tension field is the elastic law in tension and carries nothing across wrinkles.
+#[test]
+fn film_is_elastic_where_taut_and_uniaxial_where_wrinkled() {
+    let kind = SurfaceKind::QuadMembrane;
+    let [elastic, _, _, film] = surfaces::materials(kind)[..] else { panic!("four materials") };
+    let none = [0.0; 3];
+    let taut = [0.02, 0.01, 0.004];
+    let [expected, _] = elastic.resultants(0.1, taut, none);
+    let [n, _] = film.resultants(0.1, taut, none);
+    for k in 0..3 {
+        assert!((n[k] / expected[k] - 1.0).abs() < 1e-13);
+    }
+    let PlaneStress::TensionField(mut ideal) = film else { panic!("a film") };
+    ideal.residual_stiffness = 0.0;
+    let ideal = PlaneStress::TensionField(ideal);
+    // Pure shear g: S11 = S22 = S12 = E g/4, W = h E g^2/8.
+    let (h, g) = (0.1, 0.03);
+    let shear = [0.0, 0.0, g];
+    let [n, _] = ideal.resultants(h, shear, none);
+    for n in n {
+        assert!((n / (h * surfaces::E * g / 4.0) - 1.0).abs() < 1e-12, "{n}");
+    }
+    let w: f64 = ideal.energy(h, shear, none);
+    assert!((w / (h * surfaces::E * g * g / 8.0) - 1.0).abs() < 1e-12);
+    let [n, _] = ideal.resultants(h, [-0.01, -0.02, 0.001], none);
+    assert_eq!(n, [0.0; 3]);
+}
