@@ -1,6 +1,7 @@
 //! From a model document to a [`Model`]: coordinates, blocks, masses, joints, loads and the sparsity of it all.
 
 mod cables;
+mod surfaces;
 
 use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
@@ -11,18 +12,25 @@ use crate::joints::rigidity::rigidity;
 use crate::joints::side::Frame;
 use crate::latches::{Scheduled, draft};
 use crate::loads::Load;
+use crate::loads::edge_moment::{EdgeMoment, EdgePoint};
 use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
 use crate::loads::line::LineLoad;
 use crate::loads::moment::{BodyMoment, Moment};
-use crate::model::{Blocks, LatchState, Mass, Model, PlacedForce, PlacedJoint, PlacedLoad};
+use crate::loads::pressure::{Face, Pressure};
+use crate::model::{
+    Blocks, FacePlace, LatchState, Mass, Model, Placed, PlacedForce, PlacedJoint, PlacedLoad,
+};
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
-use crate::spec::{ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
+use crate::spec::{Array, ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
 use pliant_dae::structure::{Storage, Structure};
+use pliant_elements::SurfaceBlock;
+use std::sync::Arc;
+use surfaces::{stiffness_scale, surface_blocks};
 
 /// Makes a model ready.
 pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, ModelError> {
@@ -52,6 +60,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let mut structure = Structure::new(map.coordinates, multipliers);
     map.add_groups(&mut structure);
     let (cables, strands) = blocks(spec, arrays, &map, &mut structure)?;
+    let (surfaces, faces) = surface_blocks(spec, arrays, &map, &mut structure)?;
     let length = model_length(spec, &map, &initial_q);
     let mut scale = vec![length; map.coordinates];
     for node in map.cables.iter().flat_map(|c| &c.nodes) {
@@ -60,7 +69,17 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     for &first in &map.rigid {
         scale[first + 3..first + 12].fill(1.0);
     }
-    let mut builder = Builder { map: &map, structure: &mut structure, q: &initial_q };
+    for surface in &map.surfaces {
+        surface.add_scale(&mut scale);
+    }
+    let mut builder = Builder {
+        map: &map,
+        structure: &mut structure,
+        q: &initial_q,
+        arrays,
+        surfaces: &surfaces,
+        faces: &faces,
+    };
     let masses = builder.masses(spec)?;
     let cable_masses = spec
         .cables
@@ -73,7 +92,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .iter()
         .zip(&map.cables)
         .map(|(cable, cable_map)| axial_energy(cable, arrays, &cable_map.lengths))
-        .sum::<Result<_, _>>()?;
+        .sum::<Result<f64, _>>()?;
     let rigid_bodies = builder.rigid_bodies(spec)?;
     let (joints, constraint_scale) = builder.joints(joints, length);
     let (latches, schedule) = latches(spec)?;
@@ -81,10 +100,11 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let forces = builder.forces(&spec.forces)?;
     Ok(Model {
         map,
-        blocks: Blocks { cables },
+        axial_energy: axial_energy + stiffness_scale(&surfaces),
+        blocks: Blocks { cables, surfaces },
         strands,
+        faces,
         cable_masses,
-        axial_energy,
         masses,
         rigid_bodies,
         joints,
@@ -157,6 +177,18 @@ fn initial(
             q[offset] = *s;
         }
     }
+    for (surface, surface_map) in spec.surfaces.iter().zip(&map.surfaces) {
+        let range = surface_map.range();
+        let place = |what: &str| format!("surface '{}', {what}", surface.name);
+        let own = arrays.sized(&surface.q, &[0, range.len()], &place("q"))?;
+        let own =
+            if own.is_empty() { arrays.get(&surface.reference, &place("reference"))? } else { own };
+        q[range.clone()].copy_from_slice(own);
+        let speeds = arrays.sized(&surface.v, &[0, range.len()], &place("v"))?;
+        if !speeds.is_empty() {
+            v[range].copy_from_slice(speeds);
+        }
+    }
     let finite = |x: &f64| x.is_finite();
     if let Some(&value) = q.iter().chain(&v).find(|&x| !finite(x)) {
         return Err(ModelError::Value {
@@ -175,7 +207,7 @@ type Drafts = Vec<(String, Box<dyn Draft>)>;
 fn draft_joints(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> Result<Drafts, ModelError> {
     let mut drafts = Vec::with_capacity(spec.joints.len() + map.rigid.len());
     for joint in &spec.joints {
-        drafts.push((joint.points().0.to_owned(), draft(joint, map, q, None)?));
+        drafts.push((joint.name().to_owned(), draft(joint, map, q, None)?));
     }
     for (k, name) in map.rigid_names.iter().enumerate() {
         drafts.push((format!("rigidity of '{name}'"), Box::new(rigidity(&map.axes(k)))));
@@ -215,6 +247,8 @@ fn latches(spec: &ModelSpec) -> Result<(Vec<LatchState>, Vec<Scheduled>), ModelE
 /// Diagonal of the box around all positions: the size by which increments are judged.
 fn model_length(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> f64 {
     let nodes = map.cables.iter().flat_map(|c| c.nodes.iter().map(|n| n.r as usize));
+    let nodes = nodes
+        .chain(map.surfaces.iter().flat_map(|s| (0..s.nodes).map(move |node| s.offset(node, 0))));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for offset in nodes.chain(map.shared.iter().copied()) {
         for k in 0..3 {
@@ -246,6 +280,9 @@ struct Builder<'a> {
     map: &'a DofMap,
     structure: &'a mut Structure,
     q: &'a [f64],
+    arrays: Arrays<'a>,
+    surfaces: &'a [Placed<Arc<SurfaceBlock>>],
+    faces: &'a [Vec<FacePlace>],
 }
 
 impl Builder<'_> {
@@ -393,14 +430,69 @@ impl Builder<'_> {
                     }
                 }
             }
+            LoadSpec::Pressure { name, surface, faces, value, conservative } => {
+                let place = format!("load '{name}'");
+                let value = Value::new(value, &place)?;
+                (Box::new(self.pressure(*surface, faces, *conservative, &place)?), value)
+            }
+            LoadSpec::Edge { name, surface, sides, value } => {
+                let place = format!("load '{name}'");
+                let map = self.map.surface(*surface, &place)?;
+                let sides = map.sides(self.arrays, sides, &place)?;
+                (
+                    Box::new(LineLoad { weights: map.edge_weights(&sides) }),
+                    Value::new(value, &place)?,
+                )
+            }
+            LoadSpec::EdgeMoment { name, surface, sides, value } => {
+                let place = format!("load '{name}'");
+                let map = self.map.surface(*surface, &place)?;
+                let sides = map.sides(self.arrays, sides, &place)?;
+                let points = map.edge_points(&sides, self.q);
+                let support = |p: &EdgePoint| self.support([&p.across]);
+                let supports = points.iter().map(support).collect();
+                (Box::new(EdgeMoment::new(points, supports)), Value::new(value, &place)?)
+            }
             LoadSpec::Line { name, cable, value } => {
                 let place = format!("load '{name}'");
                 (Box::new(self.line_load(*cable, &place)?), Value::new(value, &place)?)
             }
         };
-        let element = load.support().map(|s| s.groups.clone());
-        let element = element.map(|groups| self.structure.add_element(&groups, Storage::Full));
-        Ok(PlacedLoad { load, value, element })
+        let storage = load.storage();
+        let element = |support: &Support| self.structure.add_element(&support.groups, storage);
+        let elements = load.supports().iter().map(element).collect();
+        Ok(PlacedLoad { load, value, elements })
+    }
+
+    fn pressure(
+        &self,
+        surface: usize,
+        faces: &Array,
+        conservative: bool,
+        place: &str,
+    ) -> Result<Pressure, ModelError> {
+        let map = self.map.surface(surface, place)?;
+        let numbers = self.arrays.whole(faces, place)?;
+        let mut parts = Vec::with_capacity(numbers.len());
+        for &number in &numbers {
+            let Some(at) = self.faces[surface].get(number) else {
+                return Err(ModelError::Reference {
+                    place: place.to_owned(),
+                    kind: "face",
+                    index: number,
+                    count: map.faces.len(),
+                });
+            };
+            let block = self.surfaces[at.block].block.clone();
+            let unknowns =
+                block.vectors_of(at.element).iter().flat_map(|&o| o as usize..o as usize + 3);
+            let support = Support {
+                groups: map.groups(number).map(|offset| self.map.group[offset]).collect(),
+                unknowns: unknowns.collect(),
+            };
+            parts.push((Face { block, element: at.element }, support));
+        }
+        Ok(Pressure::new(parts, conservative))
     }
 
     fn line_load(&self, cable: usize, place: &str) -> Result<LineLoad, ModelError> {

@@ -1,13 +1,15 @@
 //! Where every node stands in the coordinates.
 //!
 //! Cables come first, node by node: position and slope (6), or the slope alone (3) where the position is a shared
-//! point's; the shared points follow (3 each), the rigid bodies, centre and axes (12), the arc lengths of sliding joints. Multipliers are numbered after all coordinates, joint by joint.
+//! point's; the shared points follow (3 each), the rigid bodies, centre and axes (12), the arc lengths of sliding joints,
+//! then the surfaces, node by node. Multipliers are numbered after all coordinates, joint by joint.
 
 use crate::document::Arrays;
 use crate::error::ModelError;
 use crate::joints::side::Frame;
 use crate::point::Interpolation;
 use crate::spec::{CableSpec, JointSpec, ModelSpec, PointSpec};
+use crate::surface_map::SurfaceMap;
 use pliant_dae::structure::Structure;
 use pliant_elements::NodeOffsets;
 use pliant_math::hermite;
@@ -76,6 +78,8 @@ impl CableMap {
 pub struct DofMap {
     /// Cables.
     pub cables: Vec<CableMap>,
+    /// Shells and membranes.
+    pub surfaces: Vec<SurfaceMap>,
     /// Offsets of the shared points.
     pub shared: Vec<usize>,
     /// Names of the rigid bodies.
@@ -155,9 +159,16 @@ impl DofMap {
         let slides =
             spec.joints.iter().filter(|j| matches!(j, JointSpec::SlideCable { .. })).count();
         let slides: Vec<usize> = (first..first + slides).collect();
-        let coordinates = first + slides.len();
+        let mut coordinates = first + slides.len();
+        let mut surfaces = Vec::with_capacity(spec.surfaces.len());
+        for surface in &spec.surfaces {
+            let map = SurfaceMap::new(surface, arrays, coordinates)?;
+            coordinates += map.coordinates();
+            surfaces.push(map);
+        }
         Ok(Self {
             cables,
+            surfaces,
             shared: offsets,
             rigid_names,
             rigid,
@@ -189,6 +200,25 @@ impl DofMap {
         for &s in &self.slides {
             add(s..s + 1, &mut self.group);
         }
+        for surface in &self.surfaces {
+            for node in 0..surface.nodes {
+                let first = surface.offset(node, 0);
+                add(first..first + 3 * surface.vectors, &mut self.group);
+            }
+        }
+    }
+
+    /// A surface by its number.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming `place` where there is none.
+    pub fn surface(&self, number: usize, place: &str) -> Result<&SurfaceMap, ModelError> {
+        self.surfaces.get(number).ok_or_else(|| ModelError::Reference {
+            place: place.to_owned(),
+            kind: "surface",
+            index: number,
+            count: self.surfaces.len(),
+        })
     }
 
     /// Groups of the given coordinates' offsets, each once, in order of appearance.
@@ -244,6 +274,26 @@ impl DofMap {
                 let terms = std::iter::once((first, 1.0)).chain(terms);
                 Ok((Interpolation::weighted(terms), Frame::Body(self.axes(rigid))))
             }
+            PointSpec::Surface { surface, face, at } => {
+                let count = self.surfaces.len();
+                let map = self
+                    .surfaces
+                    .get(surface)
+                    .ok_or_else(|| reference("surface", surface, count))?;
+                if face >= map.faces.len() {
+                    return Err(reference("face", face, map.faces.len()));
+                }
+                if let Some(&value) = at.iter().find(|x| !(0.0..=1.0).contains(*x)) {
+                    return Err(ModelError::Value {
+                        place: place.to_owned(),
+                        value,
+                        allowed: "places in a face, from 0 to 1",
+                    });
+                }
+                let [r, a, b] = map.point(face, at);
+                let bends = map.faces[face].kind.bends();
+                Ok((r, if bends { Frame::Sheet([a, b]) } else { Frame::Point }))
+            }
             PointSpec::Cable { cable, element, xi } => {
                 let count = self.cables.len();
                 let map = self.cables.get(cable).ok_or_else(|| reference("cable", cable, count))?;
@@ -278,6 +328,9 @@ impl DofMap {
         }
         if let Some(k) = self.slides.iter().position(|&s| s == coordinate) {
             return format!("place along the cable of sliding joint {k}");
+        }
+        if let Some(surface) = self.surfaces.iter().find(|s| s.range().contains(&coordinate)) {
+            return surface.describe(coordinate);
         }
         if let Some(k) = self.rigid.iter().rposition(|&first| first <= coordinate) {
             let (place, c) = (coordinate - self.rigid[k], component(self.rigid[k]));

@@ -93,4 +93,12 @@ pub enum ModelError {
         /// Why.
         source: ElementError,
     },
+    /// A surface element refused its parameters.
+    #[error("surface '{surface}': {source}")]
+    Surface {
+        /// Name of the surface.
+        surface: String,
+        /// Why.
+        source: ElementError,
+    },
 }

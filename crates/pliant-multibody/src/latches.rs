@@ -6,6 +6,7 @@
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
+use crate::joints::hold::hold;
 use crate::joints::side::{Frame, Side};
 use crate::joints::slide_cable::SlideCable;
 use crate::joints::{Draft, Joint, of_spec};
@@ -53,7 +54,9 @@ pub(crate) fn draft(
     q: &[f64],
     latch: Option<Latch>,
 ) -> Result<Box<dyn Draft>, ModelError> {
-    let (name, a, b) = joint.points();
+    let Some((name, a, b)) = joint.points() else {
+        return Ok(Box::new(hold(joint, map, q)?));
+    };
     let place = format!("joint '{name}'");
     let refuse = |reason| ModelError::Unsupported { place: place.clone(), reason };
     let (r, frame) = map.point(a, &place)?;

@@ -18,6 +18,7 @@ pub mod run;
 pub mod signal;
 pub mod solve;
 pub mod spec;
+pub mod surface_map;
 pub mod system;
 pub mod teaching;
 mod vector;

@@ -13,8 +13,9 @@ use crate::spec::{JointSpec, ModelSpec};
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::{self, LinearSolver};
 use pliant_dae::structure::{self, Storage, Structure};
-use pliant_elements::{Block, CableBlock};
-use std::ops::Range;
+use pliant_elements::{Block, CableBlock, SurfaceBlock};
+use std::ops::{Deref, Range};
+use std::sync::Arc;
 
 /// A block of elements and where its matrices lie among the element values.
 pub(crate) struct Placed<B> {
@@ -22,7 +23,7 @@ pub(crate) struct Placed<B> {
     pub values: Range<usize>,
 }
 
-impl<B: Block> Placed<B> {
+impl<B: Deref<Target: Block>> Placed<B> {
     /// Reserves room for the matrices of a block.
     pub fn new(block: B, structure: &mut Structure) -> Self {
         let base = structure.reserve(block.values_len());
@@ -43,13 +44,17 @@ impl<B: Block> Placed<B> {
 /// All blocks: one list for each kind, for what only that kind can tell.
 #[derive(Default)]
 pub(crate) struct Blocks {
-    pub cables: Vec<Placed<CableBlock>>,
+    pub cables: Vec<Placed<Box<CableBlock>>>,
+    /// Loads on faces share the block.
+    pub surfaces: Vec<Placed<Arc<SurfaceBlock>>>,
 }
 
 impl Blocks {
     /// Every block, whatever its kind, and where its matrices lie. The order never changes.
     pub fn iter(&self) -> impl Iterator<Item = (&dyn Block, &Range<usize>)> {
-        self.cables.iter().map(|placed| (&placed.block as &dyn Block, &placed.values))
+        let cables = self.cables.iter().map(|p| (&*p.block as &dyn Block, &p.values));
+        let surfaces = self.surfaces.iter().map(|p| (&*p.block as &dyn Block, &p.values));
+        cables.chain(surfaces)
     }
 }
 
@@ -61,6 +66,15 @@ pub(crate) struct StrandPlace {
     /// Number in the block.
     pub cable: usize,
     /// Number in the block of its first element.
+    pub element: usize,
+}
+
+/// Where a face of a surface is found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FacePlace {
+    /// Number of the block.
+    pub block: usize,
+    /// Number in the block.
     pub element: usize,
 }
 
@@ -93,11 +107,11 @@ pub(crate) struct LatchState {
     pub floats: bool,
 }
 
-/// A load, its value over time and its element matrix (none for dead loads).
+/// A load, its value over time and its element matrices (none for dead loads).
 pub(crate) struct PlacedLoad {
     pub load: Box<dyn Load>,
     pub value: Value,
-    pub element: Option<usize>,
+    pub elements: Vec<usize>,
 }
 
 /// A force, its element matrix and its first number among the outputs.
@@ -113,6 +127,8 @@ pub struct Model {
     pub(crate) blocks: Blocks,
     /// Strands of each cable.
     pub(crate) strands: Vec<Vec<StrandPlace>>,
+    /// Faces of each surface.
+    pub(crate) faces: Vec<Vec<FacePlace>>,
     /// Mass of each cable [kg].
     pub(crate) cable_masses: Vec<f64>,
     /// Elastic energy of all cables at a strain of one [J].
@@ -264,6 +280,6 @@ impl Model {
     /// Number of elements.
     #[must_use]
     pub fn elements(&self) -> usize {
-        self.map.cables.iter().map(crate::dof_map::CableMap::elements).sum()
+        self.blocks.iter().map(|(block, _)| block.element_count()).sum()
     }
 }

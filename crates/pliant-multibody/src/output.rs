@@ -2,8 +2,9 @@
 
 use crate::joints::Joint;
 use crate::latches::Switch;
-use crate::model::Model;
+use crate::model::{FacePlace, Model};
 use crate::vector::vector;
+use pliant_elements::materials::Regime;
 use pliant_elements::{CableBlock, Motion, Strain};
 
 impl Model {
@@ -78,7 +79,7 @@ impl Model {
     fn elements_of(&self, cable: usize) -> impl Iterator<Item = (&CableBlock, usize)> {
         let map = &self.map.cables[cable];
         self.strands[cable].iter().zip(&map.strands).flat_map(|(place, range)| {
-            let block = &self.blocks.cables[place.block].block;
+            let block: &CableBlock = &self.blocks.cables[place.block].block;
             (0..range.len()).map(move |i| (block, place.element + i))
         })
     }
@@ -105,6 +106,42 @@ impl Model {
     /// Appends the material curvature vector at the middle of each element [1/m].
     pub fn curvature(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
         out.extend(self.elements_of(cable).flat_map(|(block, e)| block.curvature(e, q)));
+    }
+
+    /// Appends membrane strain (E11, E22, E12), change of curvature (k11, k22, k12) [1/m] and regime (0 taut, 1
+    /// wrinkled, 2 slack) at the middle of each face, seven numbers each.
+    pub fn surface_strain(&self, surface: usize, q: &[f64], out: &mut Vec<f64>) {
+        for place in &self.faces[surface] {
+            let block = &self.blocks.surfaces[place.block].block;
+            out.extend(block.membrane_strain(place.element, q));
+            out.extend(block.bending_strain(place.element, q));
+            out.push(match block.regime(place.element, q) {
+                Regime::Taut => 0.0,
+                Regime::Wrinkled => 1.0,
+                Regime::Slack => 2.0,
+            });
+        }
+    }
+
+    /// Mass of a surface [kg].
+    #[must_use]
+    pub fn surface_mass(&self, surface: usize) -> f64 {
+        let mass = |p: &FacePlace| self.blocks.surfaces[p.block].block.element_mass(p.element);
+        self.faces[surface].iter().map(mass).sum()
+    }
+
+    /// First moment of mass of a surface about the origin [kg m].
+    #[must_use]
+    pub fn surface_moment(&self, surface: usize, q: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for place in &self.faces[surface] {
+            let moment =
+                self.blocks.surfaces[place.block].block.element_first_moment(place.element, q);
+            for k in 0..3 {
+                sum[k] += moment[k];
+            }
+        }
+        sum
     }
 
     /// Force [N] and moment [N m] that a joint exerts on its first point; `switch` is what it engaged by, if it has.

@@ -35,6 +35,9 @@ pub struct ModelSpec {
     pub shared_velocities: Array,
     /// Cables and nets of cables.
     pub cables: Vec<CableSpec>,
+    /// Shells and membranes.
+    #[serde(default)]
+    pub surfaces: Vec<SurfaceSpec>,
     /// Rigid bodies.
     #[serde(default)]
     pub rigid_bodies: Vec<RigidBodySpec>,
@@ -114,6 +117,82 @@ pub struct CableSpec {
     pub shared: Array,
 }
 
+/// A shell or membrane. Nodal vectors come node by node, the position first; faces are the quadrilaterals, then the
+/// triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceSpec {
+    /// Name of the body.
+    pub name: String,
+    /// Nodal vectors at each node: 4 (r, r_u, r_v, r_uv), 3 (r, r_u, r_v), 2 (r, r_u) or 1 (r).
+    pub vectors: usize,
+    /// Stress-free nodal vectors, (nodes, vectors, 3).
+    pub reference: Array,
+    /// Nodal vectors at the start, (nodes, vectors, 3), or empty where they are stress-free.
+    pub q: Array,
+    /// Their velocities, (nodes, vectors, 3), or empty for none.
+    pub v: Array,
+    /// Nodes of the quadrilaterals, counter-clockwise, (m, 4), whole numbers.
+    pub quads: Array,
+    /// Their extent in the parameters u and v, (m, 2); empty for membranes.
+    pub quad_sizes: Array,
+    /// Nodes of the triangles, counter-clockwise, (k, 3), whole numbers.
+    pub triangles: Array,
+    /// Parameters (u, v) of their corners, (k, 3, 2); empty for membranes.
+    pub triangle_charts: Array,
+    /// Thickness [m]: (1,) or (faces,).
+    pub thickness: Array,
+    /// Law of the material.
+    pub material: SurfaceMaterialSpec,
+    /// Mass per volume [kg/m^3].
+    pub density: f64,
+    /// Kelvin-Voigt retardation time [s].
+    pub retardation_time: f64,
+    /// Quadrature of the elastic energy.
+    pub quadrature: QuadratureSpec,
+}
+
+/// Law of plane stress of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum SurfaceMaterialSpec {
+    /// Stress linear in the Green-Lagrange strain.
+    SaintVenantKirchhoff {
+        /// E [Pa].
+        youngs_modulus: f64,
+        /// nu.
+        poisson_ratio: f64,
+    },
+    /// Rubber; a Poisson's ratio of 0.5 is incompressible.
+    NeoHookean {
+        /// E [Pa].
+        youngs_modulus: f64,
+        /// nu.
+        poisson_ratio: f64,
+    },
+    /// Saint Venant-Kirchhoff in tension; wrinkles instead of carrying compression.
+    TensionField {
+        /// E [Pa].
+        youngs_modulus: f64,
+        /// nu.
+        poisson_ratio: f64,
+        /// Part of the elastic law that is kept where the film is not taut.
+        residual_stiffness: f64,
+    },
+}
+
+/// Quadrature of the elastic energy of surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum QuadratureSpec {
+    /// What is adequate for the kind.
+    Standard,
+    /// Fewer points for the membrane, stabilised.
+    Reduced,
+    /// One more point a direction.
+    Full,
+}
+
 /// Strain measure of the axial law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -168,6 +247,15 @@ pub enum PointSpec {
         element: usize,
         /// Place in the element, 0 to 1.
         xi: f64,
+    },
+    /// Point of a surface.
+    Surface {
+        /// Number of the surface.
+        surface: usize,
+        /// Number of the face.
+        face: usize,
+        /// Place in the face: in the unit square, or the weights of the second and third corner.
+        at: [f64; 2],
     },
     /// Point of a rigid body.
     Rigid {
@@ -302,6 +390,17 @@ pub enum JointSpec {
         /// Arc length at the start [m].
         s: f64,
     },
+    /// Nodal vectors of surfaces keep components of their differences, as at the start (one equation each).
+    Hold {
+        /// Name.
+        name: String,
+        /// First node.
+        a: NodeSpec,
+        /// Second node; none: the world.
+        b: Option<NodeSpec>,
+        /// Numbers of nodal vectors at the nodes, and directions.
+        equations: Vec<(usize, [f64; 3])>,
+    },
     /// Two points stay a length apart (1 equation).
     Distance {
         /// Name.
@@ -315,11 +414,40 @@ pub enum JointSpec {
     },
 }
 
+/// A node of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NodeSpec {
+    /// Number of the surface.
+    pub surface: usize,
+    /// Number of the node.
+    pub node: usize,
+}
+
 impl JointSpec {
-    /// Name and points; a clamp's second is where its first starts.
+    /// Its name.
     #[must_use]
-    pub fn points(&self) -> (&str, &PointSpec, Option<&PointSpec>) {
+    pub fn name(&self) -> &str {
         match self {
+            Self::Hold { name, .. }
+            | Self::Clamp { name, .. }
+            | Self::Pin { name, .. }
+            | Self::Weld { name, .. }
+            | Self::Hinge { name, .. }
+            | Self::Slider { name, .. }
+            | Self::Cylindrical { name, .. }
+            | Self::Universal { name, .. }
+            | Self::SlideLine { name, .. }
+            | Self::SlideCable { name, .. }
+            | Self::Distance { name, .. } => name,
+        }
+    }
+
+    /// Name and points; a clamp's second is where its first starts. None for joints between nodes.
+    #[must_use]
+    pub fn points(&self) -> Option<(&str, &PointSpec, Option<&PointSpec>)> {
+        Some(match self {
+            Self::Hold { .. } => return None,
             Self::Clamp { name, a, .. } | Self::SlideCable { name, a, .. } => (name, a, None),
             Self::Pin { name, a, b }
             | Self::Weld { name, a, b }
@@ -329,7 +457,7 @@ impl JointSpec {
             | Self::Universal { name, a, b, .. }
             | Self::SlideLine { name, a, b, .. }
             | Self::Distance { name, a, b, .. } => (name, a, Some(b)),
-        }
+        })
     }
 }
 
@@ -381,6 +509,41 @@ pub enum LoadSpec {
         /// Where.
         at: PointSpec,
         /// Three components.
+        value: Signal,
+    },
+    /// A pressure on faces of a surface, along the normal of the vertex order [Pa].
+    Pressure {
+        /// Name.
+        name: String,
+        /// Number of the surface.
+        surface: usize,
+        /// Numbers of the faces.
+        faces: Array,
+        /// One component.
+        value: Signal,
+        /// The faces are closed, or their rim is held: the pressure has a potential.
+        conservative: bool,
+    },
+    /// A force per stress-free length on sides of faces [N/m].
+    Edge {
+        /// Name.
+        name: String,
+        /// Number of the surface.
+        surface: usize,
+        /// Rows (face, side); side k runs from corner k to the next, (s, 2), whole numbers.
+        sides: Array,
+        /// Three components.
+        value: Signal,
+    },
+    /// A moment per stress-free length about the direction that each side has at the start [N].
+    EdgeMoment {
+        /// Name.
+        name: String,
+        /// Number of the surface.
+        surface: usize,
+        /// Rows (face, side), (s, 2), whole numbers.
+        sides: Array,
+        /// One component, about the direction in which the side runs.
         value: Signal,
     },
     /// A force per stress-free length on all of a cable [N/m].

@@ -17,7 +17,7 @@ use pliant_dae::error::Error;
 use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
 use pliant_dae::redundancy::smallest_multipliers;
-use pliant_dae::structure::{Storage, Structure, entry_number};
+use pliant_dae::structure::{Storage, Structure, entries, entry_number};
 use pliant_elements::{self as elements, Motion, Parameter, Workspace};
 use std::sync::Arc;
 use window::Window;
@@ -470,13 +470,26 @@ impl System {
     }
 
     fn load_tangents(&self, at: Point<'_>, weight: f64, values: &mut [f64]) {
+        let mut full = Vec::new();
         for (number, load) in self.model.loads.iter().enumerate() {
-            if let (Some(element), Some(support)) = (load.element, load.load.support()) {
+            let value = load.value.at(self.moment_of(number, at.t));
+            let parts = load.elements.iter().zip(load.load.supports());
+            for (part, (&element, support)) in parts.enumerate() {
                 let slot = self.model.structure.slot(element);
                 let n = support.unknowns.len();
-                let out = &mut values[slot.base..slot.base + n * n];
-                let value = load.value.at(self.moment_of(number, at.t));
-                load.load.jacobian(value, at.q, -weight, out);
+                let out = &mut values[slot.base..slot.base + entries(n, slot.storage)];
+                if slot.storage == Storage::Full {
+                    load.load.jacobian(part, value, at.q, -weight, out);
+                    continue;
+                }
+                full.resize(n * n, 0.0);
+                load.load.jacobian(part, value, at.q, -weight, &mut full);
+                for i in 0..n {
+                    for j in 0..=i {
+                        let mean = 0.5 * (full[i * n + j] + full[j * n + i]);
+                        out[entry_number(n, i, j, Storage::Symmetric)] = mean;
+                    }
+                }
             }
         }
     }
@@ -513,7 +526,7 @@ impl Problem for System {
 
     /// Follower forces and moments have none.
     fn has_potential(&self) -> bool {
-        self.model.loads.iter().all(|l| l.load.support().is_none())
+        self.model.loads.iter().all(|l| l.load.has_potential())
             && self.model.forces.iter().all(|f| f.force.has_potential())
     }
 

@@ -221,13 +221,14 @@ impl SurfaceBlock {
     }
 
     pub(super) fn total_first_moment(&self, q: &[f64]) -> [f64; 3] {
-        let mut sum = Vec3::zero(0.0);
-        for e in 0..self.element_count() {
-            let moment = self.mass_times(e, q);
-            for i in self.positions() {
-                sum = sum + moment[i];
-            }
-        }
-        sum.array()
+        let each = (0..self.element_count()).map(|e| self.element_first_moment(e, q));
+        each.fold([0.0; 3], |sum, m| [sum[0] + m[0], sum[1] + m[1], sum[2] + m[2]])
+    }
+
+    /// First moment of mass of element `e` about the origin [kg m].
+    #[must_use]
+    pub fn element_first_moment(&self, e: usize, q: &[f64]) -> [f64; 3] {
+        let moment = self.mass_times(e, q);
+        self.positions().fold(Vec3::zero(0.0), |sum, i| sum + moment[i]).array()
     }
 }

@@ -36,7 +36,7 @@ fn law(cable: &CableSpec) -> CableLaw {
     }
 }
 
-type CableBlocks = (Vec<Placed<CableBlock>>, Vec<Vec<StrandPlace>>);
+type CableBlocks = (Vec<Placed<Box<CableBlock>>>, Vec<Vec<StrandPlace>>);
 
 /// One block for each law; every strand is a cable of its block.
 pub(super) fn blocks(
@@ -92,7 +92,7 @@ pub(super) fn blocks(
                 .unwrap_or_default(),
             source,
         })?;
-        blocks.push(Placed::new(block, structure));
+        blocks.push(Placed::new(Box::new(block), structure));
     }
     for (cable_map, strands) in map.cables.iter().zip(&places) {
         for (k, place) in strands.iter().enumerate() {
@@ -144,6 +144,7 @@ fn element_error_cable(error: &ElementError) -> Option<usize> {
         | ElementError::UnusedReference { cable, .. }
         | ElementError::NotPlanar { cable, .. }
         | ElementError::UnusedDamping { cable, .. } => Some(cable),
+        _ => None,
     }
 }
 

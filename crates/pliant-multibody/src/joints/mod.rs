@@ -4,6 +4,7 @@ pub mod clamp;
 pub mod cylindrical;
 pub mod distance;
 pub mod hinge;
+pub mod hold;
 pub mod pin;
 pub mod product;
 pub mod rigidity;
@@ -25,6 +26,8 @@ use side::Side;
 pub fn of_spec(joint: &JointSpec, a: &Side<'_>, b: &Side<'_>) -> Option<Products> {
     let unit = |axis: &[f64; 3]| Vector3::from(*axis).try_normalize(0.0);
     match joint {
+        // Between nodes, not points: see `hold`.
+        JointSpec::Hold { .. } => None,
         JointSpec::Pin { .. } => Some(pin::pin(a, b)),
         JointSpec::Clamp { direction, .. } => clamp::clamp(a, b, direction.map(Vector3::from)),
         JointSpec::Weld { .. } => weld::weld(a, b),

@@ -14,6 +14,8 @@ pub enum Frame {
     Body([Interpolation; 3]),
     /// The tangent of a line, which has no twist.
     Line(Interpolation),
+    /// Two tangents of a shell, by stress-free arc length.
+    Sheet([Interpolation; 2]),
     /// Nothing is known of directions: a point mass.
     Point,
 }
@@ -68,6 +70,23 @@ impl Side<'_> {
                 let factor = along.dot(&axis).signum() / along.norm();
                 Interpolation::weighted(t.terms.iter().map(|&(o, w)| (o, w * factor)))
             }
+            Frame::Sheet(tangents) => {
+                let [a, b] = tangents.each_ref().map(|t| vector(t.at(self.q)));
+                // The axis in terms of the two tangents, where it lies in their plane.
+                let (aa, ab, bb) = (a.dot(&a), a.dot(&b), b.dot(&b));
+                let (ra, rb) = (a.dot(&axis), b.dot(&axis));
+                let d = aa * bb - ab * ab;
+                let (x, y) = ((ra * bb - rb * ab) / d, (rb * aa - ra * ab) / d);
+                if (a * x + b * y - axis).norm() > PARALLEL {
+                    return None;
+                }
+                let part = |t: &Interpolation, x: f64| {
+                    t.terms.iter().map(move |&(o, w)| (o, w * x)).collect::<Vec<_>>()
+                };
+                Interpolation::weighted(
+                    part(&tangents[0], x).into_iter().chain(part(&tangents[1], y)),
+                )
+            }
             Frame::Point => return None,
         };
         Some(Arm { value, role: if self.first { Role::OfFirst } else { Role::Other } })
@@ -99,10 +118,32 @@ pub fn parallel(a: &Side<'_>, b: &Side<'_>, axis: Vector3<f64>) -> Option<Vec<Pr
     [n1, n2].into_iter().map(equation).collect()
 }
 
+/// The shell among two sides, and the frame that it meets.
+fn sheet_and_frame<'a, 'q>(
+    a: &'a Side<'q>,
+    b: &'a Side<'q>,
+) -> Option<(&'a Side<'q>, &'a Side<'q>, &'a [Interpolation; 2])> {
+    match (&a.frame, &b.frame) {
+        (Frame::Sheet(t), _) if b.is_frame() => Some((a, b, t)),
+        (_, Frame::Sheet(t)) if a.is_frame() => Some((b, a, t)),
+        _ => None,
+    }
+}
+
 /// The two turn together. Between frames `a_1.b_2 = a_2.b_3 = a_3.b_1 = 0`, the axes those of the world at the start;
-/// a line, which has no twist, keeps the direction of its tangent.
+/// a line, which has no twist, keeps the direction of its tangent, a shell its normal and the direction of one tangent.
 #[must_use]
 pub fn locked(a: &Side<'_>, b: &Side<'_>) -> Option<Vec<Product>> {
+    if let Some((sheet, frame, tangents)) = sheet_and_frame(a, b) {
+        let [t, s] = tangents.each_ref().map(|t| vector(t.at(sheet.q)));
+        let normal = t.cross(&s).try_normalize(0.0)?;
+        let t = t.try_normalize(0.0)?;
+        let across = normal.cross(&t);
+        return [(t, normal), (across, normal), (t, across)]
+            .into_iter()
+            .map(|(of, to)| Some(Product::orthogonal(sheet.direction(of)?, frame.direction(to)?)))
+            .collect();
+    }
     if let Some(tangent) = a.tangent().or(b.tangent()) {
         return parallel(a, b, tangent);
     }

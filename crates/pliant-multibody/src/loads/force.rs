@@ -49,11 +49,11 @@ impl Load for FollowerForce {
         self.r.add_force(f.into(), force);
     }
 
-    fn support(&self) -> Option<&Support> {
-        Some(&self.support)
+    fn supports(&self) -> &[Support] {
+        std::slice::from_ref(&self.support)
     }
 
-    fn jacobian(&self, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
+    fn jacobian(&self, _part: usize, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
         // d(t/|t|)/dt = I/|t| - t t^T/|t|^3
         out.fill(0.0);
         let t = vector(self.t.at(q));
@@ -93,11 +93,11 @@ impl Load for BodyForce {
         }
     }
 
-    fn support(&self) -> Option<&Support> {
-        Some(&self.support)
+    fn supports(&self) -> &[Support] {
+        std::slice::from_ref(&self.support)
     }
 
-    fn jacobian(&self, value: [f64; 3], _q: &[f64], factor: f64, out: &mut [f64]) {
+    fn jacobian(&self, _part: usize, value: [f64; 3], _q: &[f64], factor: f64, out: &mut [f64]) {
         out.fill(0.0);
         for (e, start) in self.e.iter().zip(&self.start) {
             let k = Matrix3::from_diagonal_element(factor * start.dot(&vector(value)));

@@ -29,11 +29,11 @@ impl Load for Moment {
         self.t.add_force(f.into(), force);
     }
 
-    fn support(&self) -> Option<&Support> {
-        Some(&self.support)
+    fn supports(&self) -> &[Support] {
+        std::slice::from_ref(&self.support)
     }
 
-    fn jacobian(&self, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
+    fn jacobian(&self, _part: usize, value: [f64; 3], q: &[f64], factor: f64, out: &mut [f64]) {
         out.fill(0.0);
         // d/dt of (m x t)/|t|^2: [m]x/|t|^2 - 2 (m x t) t^T/|t|^4
         let (m, t) = (vector(value), vector(self.t.at(q)));
@@ -66,11 +66,11 @@ impl Load for BodyMoment {
         }
     }
 
-    fn support(&self) -> Option<&Support> {
-        Some(&self.support)
+    fn supports(&self) -> &[Support] {
+        std::slice::from_ref(&self.support)
     }
 
-    fn jacobian(&self, value: [f64; 3], _q: &[f64], factor: f64, out: &mut [f64]) {
+    fn jacobian(&self, _part: usize, value: [f64; 3], _q: &[f64], factor: f64, out: &mut [f64]) {
         out.fill(0.0);
         let k = vector(value).cross_matrix() * (0.5 * factor);
         for e in &self.e {
