@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 
 from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
-from pliant.materials import LinearElastic, SaintVenantKirchhoff, youngs_modulus_from_shore_a
+from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff, youngs_modulus_from_shore_a
+from pliant.mesh import Mesh
 from pliant.model import Model
 from pliant.modes import Modes, solve_modes
 from pliant.points import Cable, CableNet, Joint, Line, Load, Point, PointMass, RigidBody
@@ -28,6 +29,7 @@ from pliant.signals import Input, Ramp, Table
 from pliant.simulation import resume, simulate, simulate_many
 from pliant.statics import solve_static
 from pliant.stepper import Stepper
+from pliant.surfaces import Edge, Faces, Membrane, Shell
 
 if TYPE_CHECKING:
     from pliant import scenes
@@ -41,15 +43,20 @@ __all__ = [
     "ConvergenceError",
     "Curve",
     "Cylinder",
+    "Edge",
+    "Faces",
     "FileError",
     "Input",
     "Joint",
     "Line",
     "LinearElastic",
     "Load",
+    "Membrane",
+    "Mesh",
     "Model",
     "ModelError",
     "Modes",
+    "NeoHookean",
     "Point",
     "PointMass",
     "Ramp",
@@ -58,6 +65,7 @@ __all__ = [
     "RigidBody",
     "SaintVenantKirchhoff",
     "Section",
+    "Shell",
     "Sphere",
     "Stepper",
     "Table",

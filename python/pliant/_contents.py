@@ -11,9 +11,9 @@ from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData
-from pliant.joints import JointData, Pair, SlideCable
+from pliant.joints import EdgeJoint, JointData, Pair, SlideCable
 from pliant.latches import Latch
-from pliant.loads import LineLoad, LoadData
+from pliant.loads import LineLoad, LoadData, Pressure, SurfaceLoad
 from pliant.points import (
     Cable,
     CableNet,
@@ -28,6 +28,7 @@ from pliant.points import (
 )
 from pliant.rigid import RigidBodyData
 from pliant.signals import Signal, Table
+from pliant.surfaces import Edge, Faces, Membrane, Shell, SurfaceBody
 from pliant.typing import ArrayLike, FloatArray
 
 __all__ = ["Contents", "world_point"]
@@ -88,6 +89,8 @@ class Contents:
                 return RigidBody(name, self._identity)
             if isinstance(body, LineBody):
                 return (Cable if body.kind == "cable" else CableNet)(name, self._identity, body)
+            if isinstance(body, SurfaceBody):
+                return (Shell if body.kind == "shell" else Membrane)(name, self._identity, body)
         names = ", ".join([*self._bodies, *self._joints, *self._loads]) or "nothing"
         _check.fail("name", name, f"the model holds {names}")
 
@@ -104,11 +107,16 @@ class Contents:
             elif isinstance(joint, SlideCable):
                 if not isinstance(self._bodies[joint.cable], LineBody):
                     raise ModelError(f"joint '{joint.name}': '{joint.cable}' is no cable")
+            elif isinstance(joint, EdgeJoint):
+                for edge in (joint.edge, joint.other):
+                    self._verify_part(edge, joint.name)
             else:
                 self._directed_point(joint.a, "point")
         for load in self._loads.values():
             if isinstance(load, ForceData):
                 places += [(point, (Point, WorldPoint)) for point in load.points()]
+            elif isinstance(load, SurfaceLoad):
+                self._verify_part(load.faces if isinstance(load, Pressure) else load.edge, load.name)
             elif not isinstance(load, LineLoad):
                 places.append((load.at, (Point,)))
             elif not isinstance(self._bodies[load.body], LineBody):
@@ -118,6 +126,16 @@ class Contents:
                 raise ModelError(f"{place!r} is no point")
             if isinstance(place, Point):
                 self._point(place, "point")
+
+    def _verify_part(self, part: Edge | Faces | None, name: str) -> None:
+        if part is None:
+            return
+        body = self._bodies.get(part.body)
+        if not isinstance(part, (Edge, Faces)) or not isinstance(body, SurfaceBody):
+            raise ModelError(f"'{name}': '{part.body}' is no surface")
+        last = max(part.nodes) if isinstance(part, Edge) else max(part.numbers)
+        if last >= (body.nodes if isinstance(part, Edge) else body.elements):
+            raise ModelError(f"'{name}': '{part.body}' has another mesh")
 
     def _new_name(self, name: object, kind: str) -> str:
         taken = {*self._bodies, *self._joints, *self._loads}
@@ -176,11 +194,11 @@ class Contents:
         body = self._bodies.get(value.body)
         if body is None:
             _check.fail(name, value, f"this model has no body '{value.body}'")
-        elements = body.elements if isinstance(body, LineBody) else 1
-        nodes = body.nodes if isinstance(body, LineBody) else 1
+        elements, nodes = (body.elements, body.nodes) if isinstance(body, (LineBody, SurfaceBody)) else (1, 1)
         if value.element >= elements or (value.node is not None and value.node >= nodes):
             _check.fail(name, value, f"body '{value.body}' of this model has {elements} elements")
-        if (value.local is not None) != isinstance(body, RigidBodyData):
+        kinds = (value.local is not None, value.at is not None)
+        if kinds != (isinstance(body, RigidBodyData), isinstance(body, SurfaceBody)):
             _check.fail(name, value, f"body '{value.body}' of this model is of another kind")
         return value
 
@@ -190,7 +208,13 @@ class Contents:
             _check.fail(
                 name, value, "must be a point of a cable or of a rigid body: a point mass has no directions"
             )
+        if self._is_membrane(point):
+            _check.fail(name, value, "a membrane has no directions at a point; pin it")
         return point
+
+    def _is_membrane(self, point: Point) -> bool:
+        body = self._bodies[point.body]
+        return isinstance(body, SurfaceBody) and body.kind == "membrane"
 
     def _line_point(self, value: Any, name: str) -> Point:
         point = self._point(value, name)
@@ -218,7 +242,7 @@ class Contents:
 
         ``anywhere``: the joint is the same wherever its point lies on a rigid body, so that two bare ones do.
         """
-        bare = (Cable, CableNet, RigidBody)
+        bare = (Cable, CableNet, RigidBody, Shell, Membrane)
         if not isinstance(a, (Point, Handle)):
             _check.fail(names[0], a, "must be a point of a body, such as rope.start")
         if anywhere and isinstance(a, RigidBody) and (b is None or isinstance(b, bare)):
@@ -279,6 +303,8 @@ class Contents:
         if isinstance(body, RigidBodyData):
             center: FloatArray = body.weights(point) @ body.r
             return center
+        if isinstance(body, SurfaceBody):
+            return body.place(point)
         if point.node is not None:
             place: FloatArray = body.r[body.first[point.node]]
             return place.copy()
@@ -290,7 +316,7 @@ class Contents:
 
     def _size(self) -> float:
         """Largest edge of the box around the model [m]."""
-        places = [body.r for body in self._bodies.values() if isinstance(body, LineBody)]
+        places = [body.r for body in self._bodies.values() if isinstance(body, (LineBody, SurfaceBody))]
         places += [np.array([b.position.position]) for b in self._bodies.values() if isinstance(b, MassBody)]
         for b in self._bodies.values():
             if isinstance(b, RigidBodyData):

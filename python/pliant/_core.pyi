@@ -56,6 +56,8 @@ class System:
         """Offsets in q of the shared points, shape (p,)."""
     def rigid_offsets(self) -> IntArray:
         """Offsets in q of the centres of the rigid bodies, whose three axes follow, shape (bodies,)."""
+    def surface_offsets(self) -> IntArray:
+        """First coordinate of each surface, number of its nodes, nodal vectors at each, (surfaces, 3)."""
     def joint_offsets(self) -> IntArray:
         """First multiplier and number of multipliers of each joint, then of each rigid body, (k, 2)."""
     def force_offsets(self) -> IntArray:
@@ -131,6 +133,12 @@ class System:
         """Axial force [N] at mid-element, shape (n, elements), of states (n, nq)."""
     def strain(self, cable: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Axial strain (n, elements) and material curvature vector [1/m] (n, elements, 3) at mid-element."""
+    def surface_strain(self, surface: int, q: FloatArray) -> FloatArray:
+        """Membrane strain (11, 22, 12), change of curvature (11, 22, 12) [1/m] and regime at the middle of
+        each face, (n, faces, 7)."""
+    def surface_center(self, surface: int, q: FloatArray) -> FloatArray:
+        """Centre of mass [m], (n, 3)."""
+    def surface_mass(self, surface: int) -> float: ...
     def reaction(
         self,
         joint: int,
@@ -222,3 +230,9 @@ def cable_element(cable: str, q: FloatArray, v: FloatArray) -> dict[str, Any]:
     document like that of a cable of one element in a model document, with its arrays inside."""
 
 __version__: str
+
+def surface_shape(kind: str, chart: FloatArray, at: tuple[float, float]) -> FloatArray:
+    """Shape functions of a surface element at a place, (nodal vectors, 6): N, N_u, N_v, N_uu, N_vv, N_uv.
+
+    ``chart`` (corners, 2): parameters of the corners.
+    """

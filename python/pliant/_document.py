@@ -12,17 +12,24 @@ from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import FORCES
 from pliant.joints import JOINTS
-from pliant.loads import Force, LineLoad, Moment
+from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, Pressure
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.shapes import SHAPES
 from pliant.signals import Combination, Constant, Function, Input, LostFunction, Ramp, Table
+from pliant.surfaces import Edge, Faces, SurfaceBody
 
 VERSION = 1
 KINDS: Mapping[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         LineBody,
+        SurfaceBody,
+        Edge,
+        Faces,
+        EdgeLoad,
+        EdgeMoment,
+        Pressure,
         MassBody,
         RigidBodyData,
         *SHAPES,

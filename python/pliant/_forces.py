@@ -14,7 +14,7 @@ from pliant.errors import translated
 from pliant.forces import ForceData, Spring
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Load, require_handle
-from pliant.readings import Reaction, SpringForce, Strain
+from pliant.readings import Reaction, SpringForce, Strain, SurfaceStrain
 from pliant.records import by_blocks
 from pliant.signals import scaled
 from pliant.typing import FloatArray
@@ -56,7 +56,23 @@ class Forces(Lookup):
                         rows=rows,
                     )
             return Reaction(force, moment)
+        if plan["kind"] == "nodes":
+            return self._edge_reaction(joint, plan)
         return Reaction(self._shared_force(plan), zero)
+
+    def _edge_reaction(self, joint: Joint, plan: dict[str, Any]) -> Reaction:
+        """Sum over the nodes of an edge; the moment is about its first node."""
+        records = self._records
+        data = self.model._joints[joint.name]
+        places = self._nodes(data.a.body, records.q)
+        center = self._at(data.a, records.q)
+        force, moment = np.zeros_like(center), np.zeros_like(center)
+        for index, node in zip(plan["indices"], plan["nodes"], strict=True):
+            with translated():
+                f, m = self._system.reaction(index, records.time, records.q, records.lambda_)
+            force += f
+            moment += m + np.cross(places[:, node] - center, f)
+        return Reaction(force, moment)
 
     def spring(self, spring: Load) -> SpringForce:
         """Length and force of a spring.
@@ -160,8 +176,21 @@ class Forces(Lookup):
         mean: FloatArray = total / np.add.reduceat(data.lengths, starts)
         return mean
 
-    def strain(self, body: Handle | str) -> Strain:
-        """Axial strain (n, elements) and curvature vector [1/m] (n, elements, 3) at mid-element."""
+    def strain(self, body: Handle | str) -> Strain | SurfaceStrain:
+        """Strains in the middle of elements.
+
+        Parameters
+        ----------
+        body : body or str
+            Of cables and nets a :class:`Strain`: ``axial`` (n, elements) and the vector of ``curvature``
+            [1/m] (n, elements, 3). Of shells and membranes a :class:`SurfaceStrain`: ``membrane`` and
+            ``bending`` (n, faces, 3), and the ``regime`` (n, faces) of films.
+        """
+        surface = self._name(body)
+        if surface in self._lowered.surfaces:
+            with translated():
+                rows = self._system.surface_strain(self._lowered.surfaces[surface], self._records.q)
+            return SurfaceStrain(rows[..., :3].copy(), rows[..., 3:6].copy(), rows[..., 6].astype(np.int64))
         _, name = self._line(body)
         with translated():
             axial, curvature = by_blocks(

@@ -15,6 +15,7 @@ from pliant.points import Handle, Joint, Point, WorldPoint, require_handle
 from pliant.readings import CriticalPoint, Statistics
 from pliant.records import Records, Rows, by_blocks
 from pliant.rigid import RigidBodyData
+from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray, IntArray, Json
 
 if TYPE_CHECKING:
@@ -93,13 +94,16 @@ class Lookup:
         return data, name
 
     def _offsets(self, name: str) -> IntArray:
-        """Offsets in q: of strand nodes (n, 2), a free mass (1, 1), the vectors of a rigid body (4, 1)."""
+        """Offsets in q: strand nodes (n, 2), a mass (1, 1), vectors of a rigid body or surface (k, 1)."""
         if name not in self._known_offsets:
             if name in self._lowered.cables:
                 self._known_offsets[name] = self._system.cable_offsets(self._lowered.cables[name])
             elif name in self._lowered.rigid:
                 first = self._system.rigid_offsets()[self._lowered.rigid[name]]
                 self._known_offsets[name] = first + 3 * np.arange(4)[:, None]
+            elif name in self._lowered.surfaces:
+                first, nodes, vectors = self._system.surface_offsets()[self._lowered.surfaces[name]]
+                self._known_offsets[name] = first + 3 * np.arange(nodes * vectors)[:, None]
             else:
                 self._known_offsets[name] = self._system.shared_offsets()[self._lowered.shared[name]].reshape(
                     1, 1
@@ -113,6 +117,8 @@ class Lookup:
             offsets = self._offsets(name)[data.first, 0]
         elif isinstance(data, RigidBodyData):
             offsets = self._offsets(name)[:1, 0]
+        elif isinstance(data, SurfaceBody):
+            offsets = self._offsets(name)[:: data.vectors, 0]
         elif data.at is not None:
             return self._at(data.at, rows)[:, None]
         else:
@@ -125,6 +131,14 @@ class Lookup:
         if isinstance(data, RigidBodyData):
             vectors = rows[:, self._offsets(point.body) + np.arange(3)]
             place: FloatArray = np.einsum("i,nik->nk", data.weights(point), vectors)
+            return place
+        if isinstance(data, SurfaceBody):
+            offsets = self._offsets(point.body)[:, 0]
+            if point.node is not None:
+                return np.ascontiguousarray(rows[:, offsets[point.node * data.vectors] + np.arange(3)])
+            index, functions = data.shape(point.element, point.at or (0.0, 0.0))
+            vectors = rows[:, offsets[index][:, None] + np.arange(3)]
+            place = np.einsum("i,nik->nk", functions[:, 0], vectors)
             return place
         if not isinstance(data, LineBody):
             return np.ascontiguousarray(self._nodes(point.body, rows)[:, 0])

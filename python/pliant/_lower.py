@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant._edges import EdgeEquations, is_held
 from pliant._lowered import BodyState, Input, Lowered, signals_of
 from pliant._sharing import Sharing
 from pliant.bodies import LineBody
@@ -17,6 +18,7 @@ from pliant.joints import (
     Clamp,
     Cylindrical,
     Distance,
+    EdgeJoint,
     Hinge,
     JointData,
     Pair,
@@ -27,10 +29,11 @@ from pliant.joints import (
     Universal,
     Weld,
 )
-from pliant.loads import LineLoad, Moment
+from pliant.loads import EdgeLoad, LineLoad, Moment, Pressure, SurfaceLoad
 from pliant.points import Point, WorldPoint
 from pliant.signals import Function
 from pliant.signals import Input as HeldInput
+from pliant.surfaces import SurfaceBody
 from pliant.typing import Json
 
 if TYPE_CHECKING:
@@ -76,6 +79,7 @@ class _Lowering(Sharing):
             "shared_points": self._array(places),
             "shared_velocities": self._array(speeds),
             "cables": [self._cable(body, body.name in relocated) for body in self.lines.values()],
+            "surfaces": [self._surface(body) for body in self.surfaces.values()],
             "rigid_bodies": [
                 {
                     "name": body.name,
@@ -107,10 +111,13 @@ class _Lowering(Sharing):
             for name, joint in self.model._joints.items()
             if out.plan[name]["kind"] == "multiplier"
         )
+        out.multipliers += sum(plan.get("equations", 0) for plan in out.plan.values())
         nodes = sum(len(body.users) for body in self.lines.values())
         out.coordinates = (
             6 * nodes - 3 * sum(map(len, self.rows.values())) + 3 * len(places) + 12 * len(self.rigid)
-        ) + sum(isinstance(joint, SlideCable) for joint in self.model._joints.values())
+        )
+        out.coordinates += sum(isinstance(joint, SlideCable) for joint in self.model._joints.values())
+        out.coordinates += sum(body.q.size for body in self.surfaces.values())
         return out
 
     def _equations(self, joint: JointData) -> int:
@@ -181,11 +188,43 @@ class _Lowering(Sharing):
             "shared": self._array(np.array(self.rows[body.name], dtype=np.float64).reshape(-1, 2)),
         }
 
+    def _surface(self, body: SurfaceBody) -> Json:
+        law = {
+            "kind": body.law,
+            "youngs_modulus": body.youngs_modulus,
+            "poisson_ratio": body.poisson_ratio,
+        }
+        if body.law == "tension_field":
+            law["residual_stiffness"] = body.residual_stiffness
+        empty = np.empty(0)
+        return {
+            "name": body.name,
+            "vectors": body.vectors,
+            "reference": self._array(body.reference),
+            "q": self._array(empty if body.q is body.reference else body.q),
+            "v": self._array(body.v if body.v.any() else empty),
+            "quads": self._array(body.quads),
+            "quad_sizes": self._array(body.quad_sizes),
+            "triangles": self._array(body.triangles),
+            "triangle_charts": self._array(body.triangle_charts),
+            "thickness": self._array(body.thickness),
+            "material": law,
+            "density": body.density,
+            "retardation_time": body.retardation_time,
+            "quadrature": body.quadrature,
+        }
+
     def _point(self, point: Point | WorldPoint) -> Json:
         if isinstance(point, WorldPoint):
             return {"world": list(point.position)}
         if point.local is not None:
             return {"rigid": self.lowered.rigid[point.body], "local": list(point.local)}
+        if point.at is not None:
+            return {
+                "surface": self.lowered.surfaces[point.body],
+                "face": point.element,
+                "at": list(point.at),
+            }
         if point.body in self.masses:
             return {"shared": self.lowered.shared[point.body]}
         return {"cable": self.lowered.cables[point.body], "element": point.element, "xi": point.xi}
@@ -194,7 +233,18 @@ class _Lowering(Sharing):
         documents: list[Json] = []
         plan = self.lowered.plan
         slides = 0
+        edges = EdgeEquations(self.model)
         for name, joint in self.model._joints.items():
+            if isinstance(joint, EdgeJoint):
+                held = edges.of(joint, self.lowered.surfaces)
+                plan[name] = {
+                    "kind": "nodes",
+                    "indices": list(range(len(documents), len(documents) + len(held))),
+                    "nodes": [document["a"]["node"] for document in held],
+                    "equations": sum(len(document["equations"]) for document in held),
+                }
+                documents += held
+                continue
             if name in self.redundant:
                 plan[name] = {"kind": "redundant"}
                 continue
@@ -272,6 +322,15 @@ class _Lowering(Sharing):
                 "cable": self.lowered.cables[load.body],
                 "value": value,
             }
+        if isinstance(load, SurfaceLoad):
+            part = load.faces if isinstance(load, Pressure) else load.edge
+            entries = {"name": load.name, "surface": self.lowered.surfaces[part.body], "value": value}
+            if isinstance(load, Pressure):
+                held = is_held(self.model, self.surfaces[part.body], load.faces.numbers)
+                faces = self._array(np.array(load.faces.numbers))
+                return {"kind": "pressure", **entries, "faces": faces, "conservative": held}
+            kind = "edge" if isinstance(load, EdgeLoad) else "edge_moment"
+            return {"kind": kind, **entries, "sides": self._array(np.array(load.edge.sides))}
         at = self._point(load.at)
         if isinstance(load, Moment):
             return {"kind": "moment", "name": load.name, "at": at, "value": value}

@@ -11,6 +11,7 @@ import numpy as np
 from pliant.bodies import LineBody
 from pliant.rigid import RigidBodyData
 from pliant.signals import Function, Signal
+from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray, Json
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ __all__ = ["BodyState", "Input", "Lowered", "initial_state", "signals_of"]
 class BodyState(NamedTuple):
     """Strand nodes of one body, each (n, 3).
 
-    A free mass has one row of positions, a rigid body four, centre and axes; both leave slopes unused.
+    A free mass has one row of positions, a rigid body four, centre and axes, a surface its nodal vectors;
+    these leave slopes unused.
     """
 
     r: FloatArray
@@ -53,8 +55,9 @@ class Lowered:
         Callables.
     held : dict
         First number and initial value of each :class:`pliant.Input`; all come before the callables.
-    cables, shared, rigid : dict
-        Number of the cable of each line body; of the shared point of each free mass; of each rigid body.
+    cables, shared, rigid, surfaces : dict
+        Number of the cable of each line body; of the shared point of each free mass; of each rigid body;
+        of each surface.
     forces : dict
         Number of the core's force of each spring.
     grows : list of str or None
@@ -63,7 +66,8 @@ class Lowered:
         Critical points of a static path: kind, output, load factor, shape.
     plan : dict
         How each joint is realised: ``{"kind": "multiplier", "index": k}``, ``{"kind": "shared", ...}``
-        with what acts on the first body's side, or ``{"kind": "redundant"}``.
+        with what acts on the first body's side, ``{"kind": "nodes", ...}`` with a core's joint for each
+        node of an edge, or ``{"kind": "redundant"}``.
     """
 
     document: Json
@@ -73,6 +77,7 @@ class Lowered:
     cables: dict[str, int] = field(default_factory=dict)
     shared: dict[str, int] = field(default_factory=dict)
     rigid: dict[str, int] = field(default_factory=dict)
+    surfaces: dict[str, int] = field(default_factory=dict)
     forces: dict[str, int] = field(default_factory=dict)
     plan: dict[str, Json] = field(default_factory=dict)
     coordinates: int = 0
@@ -119,6 +124,9 @@ def initial_state(model: Model) -> dict[str, BodyState]:
         elif isinstance(body, RigidBodyData):
             none = np.zeros((1, 3))
             states[name] = BodyState(body.r, none, body.v_r, none)
+        elif isinstance(body, SurfaceBody):
+            none = np.zeros((1, 3))
+            states[name] = BodyState(body.q.reshape(-1, 3), none, body.v.reshape(-1, 3), none)
         elif body.at is None:
             place, speed = (np.array([p.position]) for p in (body.position, body.velocity))
             states[name] = BodyState(place, np.zeros((1, 3)), speed, np.zeros((1, 3)))

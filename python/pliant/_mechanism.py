@@ -24,6 +24,7 @@ from pliant.joints import (
 from pliant.points import Cable, Joint, Line, Point, RigidBody, WorldPoint
 from pliant.rigid import RigidBodyData, make_rigid_body
 from pliant.shapes import Shape
+from pliant.surfaces import Edge
 from pliant.typing import ArrayLike
 
 __all__ = ["Mechanism"]
@@ -101,9 +102,9 @@ class Mechanism(Contents):
 
         Parameters
         ----------
-        a : Point or RigidBody
-            First point.
-        b : Point, RigidBody or array_like, shape (3,), optional
+        a : Point, RigidBody or Edge
+            First point; or an edge of a surface whose nodes coincide with those of ``b``, another edge.
+        b : Point, RigidBody, Edge or array_like, shape (3,), optional
             Second point, at the same place; None: the world.
         engaged : bool
             Whether it holds from the start; else it is free until :meth:`Joint.engage` or
@@ -125,6 +126,8 @@ class Mechanism(Contents):
         >>> model.weld(rope.start, brick.at((0.1, 0, 0))).name
         'weld1'
         """
+        if isinstance(a, Edge) and isinstance(b, Edge):
+            return self._weld_edges(a, b, name)
         first, second, here = self._pair(a, b, ("a", "b"), anywhere=True)
         self._require_together(first, second, b, "b", engaged)
         self._require_directions(first, second, a, b)
@@ -422,6 +425,9 @@ class Mechanism(Contents):
         if gap > 1e-6 * self._size():
             _check.fail("path", path, f"the point must be on it at the start, but is {gap:.6g} m away")
 
+    def _weld_edges(self, a: Edge, b: Edge, name: str | None) -> Joint:
+        raise NotImplementedError
+
     def _require_directions(
         self, a: Point, b: Point | WorldPoint, given_a: object, given_b: object, *, lines: bool = False
     ) -> None:
@@ -429,8 +435,13 @@ class Mechanism(Contents):
         for point, given, argument in ((a, given_a, "a"), (b, given_b, "b")):
             if isinstance(point, Point) and isinstance(self._bodies[point.body], MassBody):
                 _check.fail(argument, given, "a point mass has no directions; pin it, or take a rigid body")
+            if isinstance(point, Point) and self._is_membrane(point):
+                _check.fail(argument, given, "a membrane has no directions at a point; pin it")
         if not lines and self._tangent(a) is not None and self._tangent(b) is not None:
             _check.fail("b", given_b, "cables have no twist: one side must be a rigid body or the world")
+        flexible = [p for p in (a, b) if isinstance(p, Point) and p.local is None]
+        if len(flexible) == 2 and any(p.at is not None for p in flexible):
+            _check.fail("b", given_b, "with a shell one side must be a rigid body or the world; pin them")
 
     def _require_along(self, point: Point | WorldPoint, axis: Axis, argument: str) -> None:
         """Refuse an axis off the tangent of a cable, which has no other direction."""

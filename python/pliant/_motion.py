@@ -15,6 +15,7 @@ from pliant.joints import Hinge
 from pliant.points import Handle, Joint, Point, PointMass, RigidBody
 from pliant.readings import Energy, JointMotion, Track
 from pliant.records import State, by_blocks
+from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray
 
 __all__ = ["Motion"]
@@ -95,7 +96,8 @@ class Motion(Lookup):
         i = _check.count(i, "i", at_least=-n, at_most=n - 1)
         records = self._records
         bodies = {}
-        for name in [*self._lowered.cables, *self._lowered.shared, *self._lowered.rigid]:
+        lowered = self._lowered
+        for name in [*lowered.cables, *lowered.shared, *lowered.rigid, *lowered.surfaces]:
             offsets = self._offsets(name)
             rows = [
                 vector[offsets[:, [column]] + np.arange(3)] if column < offsets.shape[1] else np.zeros((1, 3))
@@ -130,6 +132,9 @@ class Motion(Lookup):
             return center
         name = self._name(body)
         data = self.model._bodies[name]
+        if isinstance(data, SurfaceBody):
+            with translated():
+                return self._system.surface_center(self._lowered.surfaces[name], self._records.q)
         if not isinstance(data, LineBody):
             return self._nodes(name, self._records.q)[:, 0]
         offsets = self._offsets(name)[:, :, None] + np.arange(3)

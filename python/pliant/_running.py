@@ -23,6 +23,7 @@ from pliant.readings import Statistics
 from pliant.records import Records, State
 from pliant.result import Result
 from pliant.storage import is_result, load
+from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray
 
 if TYPE_CHECKING:
@@ -106,6 +107,11 @@ def start_vectors(
         moving = fresh[name] if state.static else body
         if name in lowered.rigid:
             index = system.rigid_offsets()[lowered.rigid[name]] + np.arange(12)
+            q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
+            continue
+        if name in lowered.surfaces:
+            first, nodes, vectors = system.surface_offsets()[lowered.surfaces[name]]
+            index = first + np.arange(3 * nodes * vectors)
             q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
             continue
         columns: list[tuple[int, FloatArray, FloatArray]] = [(0, body.r, moving.v_r)]
@@ -233,6 +239,8 @@ def require_state(start: object, name: str, model: Model) -> State:
         {
             key: (body.kind, body.nodes, tuple(body.strands))
             if isinstance(body, LineBody)
+            else (body.element, body.quads.tobytes(), body.triangles.tobytes())
+            if isinstance(body, SurfaceBody)
             else ("mass", body.at)
             if isinstance(body, MassBody)
             else ("rigid", body.mass)

@@ -16,6 +16,7 @@ from pliant.joints import Clamp, Pair, Pin, SlideCable
 from pliant.loads import Force, Moment
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
+from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray, Json
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class Sharing:
         self.masses = {name: body for name, body in model._bodies.items() if isinstance(body, MassBody)}
         self.rigid = {name: body for name, body in model._bodies.items() if isinstance(body, RigidBodyData)}
         self.lowered.rigid = {name: k for k, name in enumerate(self.rigid)}
+        self.surfaces = {name: body for name, body in model._bodies.items() if isinstance(body, SurfaceBody)}
+        self.lowered.surfaces = {name: k for k, name in enumerate(self.surfaces)}
         self.lowered.cables = {name: k for k, name in enumerate(self.lines)}
 
     def _share(self) -> None:
@@ -163,6 +166,9 @@ class Sharing:
         if point.body in self.rigid:
             place: FloatArray = self.rigid[point.body].weights(point) @ state.r
             return place
+        if point.body in self.surfaces:
+            surface = self.surfaces[point.body]
+            return surface.place(point, state.r.reshape(surface.q.shape))
         body = self.lines.get(point.body)
         if body is None:
             center: FloatArray = state.r[0]

@@ -11,11 +11,12 @@ import numpy as np
 
 from pliant.bodies import LineBody
 from pliant.forces import ForceData
-from pliant.joints import Pair, SlideCable
-from pliant.loads import Force, LineLoad
+from pliant.joints import EdgeJoint, Pair, SlideCable
+from pliant.loads import Force, LineLoad, Pressure, SurfaceLoad
 from pliant.redundancy import redundancies
 from pliant.rigid import RigidBodyData
 from pliant.signals import Constant, Signal
+from pliant.surfaces import SurfaceBody
 
 if TYPE_CHECKING:
     from pliant.model import Model
@@ -63,12 +64,18 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
         elif isinstance(body, RigidBodyData):
             place = "({:.6g}, {:.6g}, {:.6g})".format(*body.position)
             rows.append((name, "rigid body", f"{body.mass:.6g} kg at {place}"))
+        elif isinstance(body, SurfaceBody):
+            text = f"{body.elements} {body.element} elements, {body.thickness.mean():.4g} m thick"
+            rows.append((name, body.kind, text))
         else:
             rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))
     for name, joint in model._joints.items():
         text = f"{joint.a} to {joint.b}" if isinstance(joint, Pair) else str(joint.a)
         if isinstance(joint, SlideCable):
             text += f" along {joint.cable}"
+        if isinstance(joint, EdgeJoint):
+            rows.append((name, joint.kind, str(joint.edge)))
+            continue
         how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": ""}[
             lowered.plan[name]["kind"]
         ]
@@ -80,6 +87,10 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
         text += f" ({found.equations} {equations} from {', '.join(found.follows_from)})"
         rows[names[found.joint]] = (name, what, text)
     for name, load in model._loads.items():
+        if isinstance(load, SurfaceLoad):
+            part = load.faces if isinstance(load, Pressure) else load.edge
+            rows.append((name, type(load).__name__.lower(), f"{_value(load.value)} on {part}"))
+            continue
         if isinstance(load, LineLoad):
             rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))
         elif isinstance(load, ForceData):

@@ -15,6 +15,7 @@ from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.sections import require_isotropic
+from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray, IntArray
 
 __all__ = ["LineBody", "MassBody"]
@@ -213,7 +214,7 @@ class MassBody:
                 _check.fail("position", place, "must be three numbers")
 
 
-Body = LineBody | MassBody | RigidBodyData
+Body = LineBody | MassBody | RigidBodyData | SurfaceBody
 
 
 def hermite(xi: FloatArray, length: FloatArray) -> FloatArray:

@@ -12,12 +12,14 @@ import numpy as np
 
 from pliant import _check
 from pliant.points import Point, WorldPoint
+from pliant.surfaces import Edge
 
 __all__ = [
     "JOINTS",
     "Clamp",
     "Cylindrical",
     "Distance",
+    "EdgeJoint",
     "Hinge",
     "JointData",
     "Pair",
@@ -130,8 +132,30 @@ class SlideCable:
         _check.text(self.cable, "cable")
 
 
-JointData = Pair | Clamp | SlideCable
+@dataclass(frozen=True)
+class EdgeJoint:
+    """An edge of a surface is held: clamped, pinned, in a plane of symmetry, or welded to another edge.
+
+    ``a`` is the first node of the edge, about which the reaction's moment is told.
+    """
+
+    name: str
+    a: Point
+    kind: str
+    edge: Edge
+    other: Edge | None = None
+    normal: Axis | None = None
+
+    def __post_init__(self) -> None:
+        _check.text(self.name, "name")
+        _check.choice(self.kind, "kind", ("clamp", "pin", "symmetry", "weld"))
+        if self.normal is not None:
+            object.__setattr__(self, "normal", axis_of(self.normal, "normal"))
+
+
+JointData = Pair | Clamp | SlideCable | EdgeJoint
 JOINTS: tuple[type[JointData], ...] = (
+    EdgeJoint,
     Pin,
     Clamp,
     Weld,

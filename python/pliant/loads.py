@@ -8,8 +8,9 @@ from pliant import _check
 from pliant.forces import ForceData
 from pliant.points import Point
 from pliant.signals import Signal
+from pliant.surfaces import Edge, Faces
 
-__all__ = ["Force", "LineLoad", "LoadData", "Moment"]
+__all__ = ["EdgeLoad", "EdgeMoment", "Force", "LineLoad", "LoadData", "Moment", "Pressure", "SurfaceLoad"]
 
 
 @dataclass(frozen=True)
@@ -50,10 +51,47 @@ class LineLoad:
         _check_load(self.name, self.value)
 
 
-LoadData = Force | Moment | LineLoad | ForceData
+@dataclass(frozen=True)
+class EdgeLoad:
+    """A force per stress-free length on an edge of a surface [N/m]."""
+
+    name: str
+    edge: Edge
+    value: Signal
+
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value)
 
 
-def _check_load(name: object, value: object) -> None:
+@dataclass(frozen=True)
+class EdgeMoment:
+    """A moment per stress-free length on an edge of a shell, about its direction at the start [N]."""
+
+    name: str
+    edge: Edge
+    value: Signal
+
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value, 1)
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A pressure on faces of a surface [Pa]."""
+
+    name: str
+    faces: Faces
+    value: Signal
+
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value, 1)
+
+
+SurfaceLoad = EdgeLoad | EdgeMoment | Pressure
+LoadData = Force | Moment | LineLoad | ForceData | SurfaceLoad
+
+
+def _check_load(name: object, value: object, size: int = 3) -> None:
     _check.text(name, "name")
-    if not isinstance(value, Signal) or value.size != 3:
-        _check.fail("value", value, "must be a signal of three components")
+    if not isinstance(value, Signal) or value.size != size:
+        _check.fail("value", value, f"must be a signal of size {size}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pliant import _check
 
-__all__ = ["LinearElastic", "Material", "SaintVenantKirchhoff", "youngs_modulus_from_shore_a"]
+__all__ = ["LinearElastic", "Material", "NeoHookean", "SaintVenantKirchhoff", "youngs_modulus_from_shore_a"]
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,14 @@ class Material:
     def __post_init__(self) -> None:
         for name, value in (
             ("youngs_modulus", _check.number(self.youngs_modulus, "youngs_modulus", above=0)),
-            ("poisson_ratio", _check.number(self.poisson_ratio, "poisson_ratio", above=-1, below=0.5)),
+            ("poisson_ratio", self._checked_poisson_ratio()),
             ("density", _check.number(self.density, "density", above=0)),
             ("retardation_time", _check.number(self.retardation_time, "retardation_time", at_least=0)),
         ):
             object.__setattr__(self, name, value)
+
+    def _checked_poisson_ratio(self) -> float:
+        return _check.number(self.poisson_ratio, "poisson_ratio", above=-1, below=0.5)
 
     @property
     def shear_modulus(self) -> float:
@@ -67,6 +70,31 @@ class SaintVenantKirchhoff(Material):
     >>> SaintVenantKirchhoff(youngs_modulus=2e9, poisson_ratio=0.3, density=1400.0).density
     1400.0
     """
+
+
+@dataclass(frozen=True)
+class NeoHookean(Material):
+    """Rubber: mu/2 (I1 - 3) - mu ln J + lambda/4 (J^2 - 1) - lambda/2 ln J, in plane stress on surfaces.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        Young's modulus at small strain [Pa], above 0.
+    poisson_ratio : float
+        Poisson's ratio at small strain, above -1 and at most 0.5, which is incompressible.
+    density : float
+        Mass per volume [kg/m^3], above 0.
+    retardation_time : float
+        Kelvin-Voigt damping of the small-strain law [s].
+
+    Examples
+    --------
+    >>> NeoHookean(youngs_modulus=3e6, poisson_ratio=0.5, density=1000.0).shear_modulus
+    1000000.0
+    """
+
+    def _checked_poisson_ratio(self) -> float:
+        return _check.number(self.poisson_ratio, "poisson_ratio", above=-1, at_most=0.5)
 
 
 def youngs_modulus_from_shore_a(hardness: float) -> float:

@@ -13,16 +13,18 @@ from pliant import _check
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
 from pliant._drives import Drives
+from pliant._sheets import Sheets
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
 from pliant.joints import JOINTS, Clamp, Pin
 from pliant.latches import Latch
-from pliant.loads import Force, LineLoad, Moment
+from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, Pressure
 from pliant.materials import Material
 from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass
 from pliant.rigid import RigidBodyData
 from pliant.signals import Signal, as_signal
+from pliant.surfaces import Edge, Faces, SurfaceBody
 from pliant.typing import ArrayLike, FloatArray, Json
 
 if TYPE_CHECKING:
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["Model"]
 
 
-class Model(Drives):
+class Model(Sheets, Drives):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -308,8 +310,9 @@ class Model(Drives):
 
         Parameters
         ----------
-        point : Point or RigidBody
-            A point of a cable or a net, or a rigid body.
+        point : Point, RigidBody, Edge or Faces
+            A point of a cable, a net or a shell, a rigid body, an edge of a surface (its positions and the
+            direction in which the surface leaves it), or faces of one.
         engaged : bool
             Whether it holds from the start; else it is free until :meth:`Joint.engage` or
             :meth:`Stepper.engage`, and its points may be apart.
@@ -330,6 +333,8 @@ class Model(Drives):
         >>> model.constraints
         5
         """
+        if isinstance(point, (Edge, Faces)):
+            return self._hold("clamp", point, name)
         at = self._directed_point(point, "point")
         return self._add_joint(Clamp(self._new_name(name, "clamp"), at), engaged, None)
 
@@ -338,8 +343,8 @@ class Model(Drives):
 
         Parameters
         ----------
-        point : Point or body
-            First point.
+        point : Point, body or Edge
+            First point; or an edge of a surface, held all along.
         to : Point, body or array_like, shape (3,), optional
             Second point, at the same place; None: the world, where the point starts.
         engaged : bool
@@ -362,6 +367,10 @@ class Model(Drives):
         >>> model.constraints
         3
         """
+        if isinstance(point, Edge):
+            if to is not None:
+                _check.fail("to", to, "an edge is pinned to the world; weld joins two edges")
+            return self._hold("pin", point, name)
         a, b, here = self._pair(point, to, ("point", "to"))
         self._require_together(a, b, to, "to", engaged)
         return self._add_joint(Pin(self._new_name(name, "pin"), a, b, here), engaged, point, to)
@@ -430,12 +439,12 @@ class Model(Drives):
         return self._add_load(Moment(self._new_name(name, "moment"), at, value))
 
     def add_line_load(self, cable: Any, force_per_length: Any, *, name: str | None = None) -> Load:
-        """Add a force per stress-free length on all of a cable or net.
+        """Add a force per stress-free length on all of a cable or net, or on an edge of a surface.
 
         Parameters
         ----------
-        cable : Cable or CableNet
-            The body.
+        cable : Cable, CableNet or Edge
+            The body, or ``sheet.edge(points)``.
         force_per_length : array_like, shape (3,), callable, Table or product with a Ramp
             Force per length [N/m].
 
@@ -449,9 +458,11 @@ class Model(Drives):
         >>> model.add_line_load(rope, lambda t: (0, 0.2 * t, 0)).name
         'line_load1'
         """
+        if isinstance(cable, Edge):
+            return self._edge_load(cable, force_per_length, name)
         body = self._body(cable, "cable")
         if not isinstance(body, LineBody):
-            _check.fail("cable", cable, "must be a cable or a net of cables")
+            _check.fail("cable", cable, "must be a cable, a net of cables or an edge of a surface")
         value = as_signal(force_per_length, "force_per_length", 3)
         self._require_in_plane(body, value, "force_per_length")
         return self._add_load(LineLoad(self._new_name(name, "line_load"), body.name, value))
@@ -551,9 +562,9 @@ class Model(Drives):
             model = cls(document["gravity"])
             model._identity = _check.text(document["identity"], "identity")
             lists: list[tuple[str, dict[str, Any], tuple[type, ...]]] = [
-                ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData)),
+                ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData, SurfaceBody)),
                 ("joints", model._joints, JOINTS),
-                ("loads", model._loads, (Force, Moment, LineLoad)),
+                ("loads", model._loads, (Force, Moment, LineLoad, EdgeLoad, EdgeMoment, Pressure)),
             ]
             for key, items, kinds in lists:
                 for entry in document[key]:

@@ -48,6 +48,8 @@ class Point:
         Number of the node, if the point is one.
     local : tuple of float or None
         Place from the centre of mass in the axes of a rigid body [m].
+    at : tuple of float or None
+        Place in the face of a surface.
     """
 
     identity: str
@@ -56,6 +58,7 @@ class Point:
     xi: float
     node: int | None = None
     local: tuple[float, float, float] | None = None
+    at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         _check.text(self.body, "body")
@@ -66,10 +69,15 @@ class Point:
         if self.local is not None:
             x, y, z = (float(c) for c in _check.vector(self.local, "local"))
             object.__setattr__(self, "local", (x, y, z))
+        if self.at is not None:
+            u, v = (float(c) for c in _check.array(self.at, "at", (2,)))
+            object.__setattr__(self, "at", (u, v))
 
     def __str__(self) -> str:
         if self.local is not None:
             return f"{self.body} at " + "({:.6g}, {:.6g}, {:.6g})".format(*self.local)
+        if self.at is not None and self.node is None:
+            return f"{self.body}, face {self.element} at ({self.at[0]:.6g}, {self.at[1]:.6g})"
         place = f"node {self.node}" if self.node is not None else f"element {self.element} at {self.xi:.6g}"
         return f"{self.body}, {place}"
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pliant.typing import FloatArray
+from pliant.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -21,6 +21,7 @@ __all__ = [
     "SpringForce",
     "Statistics",
     "Strain",
+    "SurfaceStrain",
     "Track",
 ]
 
@@ -103,6 +104,25 @@ class Strain:
 
     axial: FloatArray
     curvature: FloatArray
+
+
+@dataclass(frozen=True)
+class SurfaceStrain:
+    """Strains in the middle of the faces of a surface, in a local frame whose first axis is along u.
+
+    Attributes
+    ----------
+    membrane : (n, faces, 3)
+        Green-Lagrange strain (E11, E22, E12).
+    bending : (n, faces, 3)
+        Change of curvature (k11, k22, k12) [1/m]; zero in membranes.
+    regime : (n, faces)
+        0 taut, 1 wrinkled, 2 slack; shells are taut.
+    """
+
+    membrane: FloatArray
+    bending: FloatArray
+    regime: IntArray
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.latches import checked_gap
 from pliant.model import Model
 from pliant.points import Handle, Joint, Point, PointMass
-from pliant.readings import Energy, Reaction, Statistics, Strain, Track
+from pliant.readings import Energy, Reaction, Statistics, Strain, SurfaceStrain, Track
 from pliant.records import Records, State
 from pliant.result import Result
 from pliant.signals import Function
@@ -359,8 +359,8 @@ class Stepper:
         """Axial force [N] at mid-element, (elements,); of a net the mean in each cable, (cables,)."""
         return _only(self._now.axial_force(body))
 
-    def strain(self, body: Handle | str) -> Strain:
-        """Axial strain (elements,) and curvature vector [1/m] (elements, 3) at mid-element."""
+    def strain(self, body: Handle | str) -> Strain | SurfaceStrain:
+        """Strains in the middle of elements; see :meth:`pliant.Result.strain`."""
         return _only(self._now.strain(body))
 
     @property

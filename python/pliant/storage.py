@@ -23,6 +23,7 @@ from pliant.readings import Statistics
 from pliant.records import Records
 from pliant.result import Result
 from pliant.streams import FORMAT, SIGNATURE, VERSION, Stream, h5py_module, open_result, read_records
+from pliant.surfaces import SurfaceBody
 
 __all__ = ["facts", "is_result", "load", "load_records", "save"]
 
@@ -41,11 +42,15 @@ def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:
         name: np.frombuffer(text.encode(), dtype=np.uint8) for name, text in texts.items()
     }
     data |= {f"lowered/arrays/{k}": array for k, array in enumerate(lowered.arrays)}
-    for name in [*lowered.cables, *lowered.shared, *lowered.rigid]:
+    for name in [*lowered.cables, *lowered.shared, *lowered.rigid, *lowered.surfaces]:
         body = rows.model._bodies[name]
         offsets = rows._offsets(name)[:, 0]
         data[f"offsets/{quote(name, safe='').replace('.', '%2E')}"] = (
-            offsets[body.first] if isinstance(body, LineBody) else offsets[:1]
+            offsets[body.first]
+            if isinstance(body, LineBody)
+            else offsets[:: body.vectors]
+            if isinstance(body, SurfaceBody)
+            else offsets[:1]
         )
     return {
         **data,

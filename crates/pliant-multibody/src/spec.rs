@@ -398,8 +398,8 @@ pub enum JointSpec {
         a: NodeSpec,
         /// Second node; none: the world.
         b: Option<NodeSpec>,
-        /// Numbers of nodal vectors at the nodes, and directions.
-        equations: Vec<(usize, [f64; 3])>,
+        /// What is held.
+        equations: Vec<HoldSpec>,
     },
     /// Two points stay a length apart (1 equation).
     Distance {
@@ -412,6 +412,19 @@ pub enum JointSpec {
         /// The length [m].
         length: f64,
     },
+}
+
+/// One component of a sum of nodal vectors, with a weight for each at the nodes of a joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HoldSpec {
+    /// Weights at the first node.
+    pub a: Vec<f64>,
+    /// Weights at the second node; empty where it is the world.
+    #[serde(default)]
+    pub b: Vec<f64>,
+    /// Direction of the component.
+    pub direction: [f64; 3],
 }
 
 /// A node of a surface.

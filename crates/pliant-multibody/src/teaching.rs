@@ -3,7 +3,7 @@
 use crate::error::ModelError;
 use crate::model::Model;
 use crate::spec::{Array, CableSpec, ModelSpec, VERSION};
-use pliant_elements::{Block, Motion, Weights};
+use pliant_elements::{Block, Chart, Motion, SurfaceKind, Weights};
 
 /// What one element answers at given coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,4 +67,17 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
         damping: matrix(v, 0.0, 1.0, 0.0),
         mass: matrix(&rest, 1.0, 0.0, 0.0),
     })
+}
+
+/// Shape functions of a surface element at a place: rows (N, N_u, N_v, N_uu, N_vv, N_uv), one a nodal vector.
+///
+/// # Errors
+/// [`ModelError`] for an unknown kind.
+pub fn surface_shape(kind: &str, chart: &Chart, at: [f64; 2]) -> Result<Vec<[f64; 6]>, ModelError> {
+    let kind = SurfaceKind::of_name(kind).ok_or_else(|| ModelError::Unsupported {
+        place: format!("kind '{kind}'"),
+        reason: "there is no such surface element",
+    })?;
+    let rows = kind.shape(chart, at);
+    Ok(rows.iter().map(|j| [j.value, j.u, j.v, j.uu, j.vv, j.uv]).collect())
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays::{row, table};
 use crate::errors::{PyModelError, model_error};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pliant_multibody::teaching;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -26,4 +26,21 @@ pub fn cable_element<'py>(
     dict.set_item("damping", table(py, element.damping, 12)?)?;
     dict.set_item("mass", table(py, element.mass, 12)?)?;
     Ok(dict)
+}
+
+/// Shape functions of a surface element with their derivatives, (nodal vectors, 6).
+#[pyfunction]
+pub fn surface_shape<'py>(
+    py: Python<'py>,
+    kind: &str,
+    chart: PyReadonlyArray2<'py, f64>,
+    at: [f64; 2],
+) -> PyResult<Bound<'py, numpy::PyArray2<f64>>> {
+    let (flat, n) = crate::arrays::rows(&chart, "chart", 2)?;
+    let mut corners = [[0.0; 2]; 4];
+    for (k, corner) in corners.iter_mut().enumerate().take(n) {
+        *corner = [flat[2 * k], flat[2 * k + 1]];
+    }
+    let rows = teaching::surface_shape(kind, &corners, at).map_err(|error| model_error(&error))?;
+    table(py, rows.into_flattened(), 6)
 }

@@ -18,5 +18,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<system::PySystem>()?;
     module.add_class::<run::PyIntegrator>()?;
     module.add_function(wrap_pyfunction!(kernels::cable_element, module)?)?;
+    module.add_function(wrap_pyfunction!(kernels::surface_shape, module)?)?;
     Ok(())
 }

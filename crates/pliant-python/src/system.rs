@@ -69,6 +69,18 @@ impl PySystem {
 }
 
 impl PySystem {
+    /// Number of faces of a surface.
+    fn faces(&self, surface: usize) -> PyResult<usize> {
+        let surfaces = &self.model.map().surfaces;
+        let found = surfaces.get(surface).ok_or_else(|| {
+            let count = surfaces.len();
+            PyModelError::new_err(format!(
+                "there is no surface number {surface} (there are {count})"
+            ))
+        })?;
+        Ok(found.faces.len())
+    }
+
     fn check_joint(&self, joint: usize) -> PyResult<()> {
         let count = self.model.joint_multipliers().len();
         if joint < count {
@@ -183,6 +195,14 @@ impl PySystem {
 
     fn rigid_offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         PyArray1::from_iter(py, self.model.map().rigid.iter().map(|&o| o as i64))
+    }
+
+    /// First coordinate of each surface, its nodes, and the nodal vectors at each.
+    fn surface_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        use numpy::PyArrayMethods;
+        let surfaces = &self.model.map().surfaces;
+        let flat = surfaces.iter().flat_map(|s| [s.first, s.nodes, s.vectors]).map(|x| x as i64);
+        PyArray1::from_iter(py, flat).reshape([surfaces.len(), 3])
     }
 
     fn joint_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
@@ -402,6 +422,40 @@ impl PySystem {
         let axial = self.each(py, &q, |q, out| self.model.axial_strain(cable, q, out));
         let curvature = self.each(py, &q, |q, out| self.model.curvature(cable, q, out));
         Ok((table(py, axial, elements)?, vectors(py, curvature, elements)?))
+    }
+
+    fn surface_strain<'py>(
+        &self,
+        py: Python<'py>,
+        surface: usize,
+        q: Rows<'py>,
+    ) -> PyResult<Bound<'py, numpy::PyArray3<f64>>> {
+        use numpy::PyArrayMethods;
+        let faces = self.faces(surface)?;
+        let q = self.states(&q)?;
+        let rows = self.each(py, &q, |q, out| self.model.surface_strain(surface, q, out));
+        let n = rows.len() / (7 * faces);
+        PyArray1::from_vec(py, rows).reshape([n, faces, 7])
+    }
+
+    fn surface_center<'py>(
+        &self,
+        py: Python<'py>,
+        surface: usize,
+        q: Rows<'py>,
+    ) -> PyResult<Table<'py>> {
+        self.faces(surface)?;
+        let q = self.states(&q)?;
+        let mass = self.model.surface_mass(surface);
+        let rows = self.each(py, &q, |q, out| {
+            out.extend(self.model.surface_moment(surface, q).map(|m| m / mass));
+        });
+        table(py, rows, 3)
+    }
+
+    fn surface_mass(&self, surface: usize) -> PyResult<f64> {
+        self.faces(surface)?;
+        Ok(self.model.surface_mass(surface))
     }
 
     #[pyo3(signature = (joint, time, q, lambda_, switch = None))]

@@ -1,0 +1,129 @@
+"""Shells: falling sheet, plates, frequencies, patch tests."""
+
+from __future__ import annotations
+
+import numpy as np
+import pliant as pl
+import pytest
+from verification.shells import falling_sheet, frequencies, unit_plate
+
+OWN = "independent prototype of the same equations"
+
+
+def test_falling_sheet_against_an_independent_integration(record):
+    model, sheet = falling_sheet(4, quadrature="full")
+    result = pl.simulate(model, duration=0.4, step=2e-3, spectral_radius=0.9)
+    corner = result.track(sheet.node(-1)).position
+    # Both solve the same equations with the same step and rule; the reference is given to six digits.
+    for time, expected in (
+        (0.1, (0.999601, 0.999601, -0.0490414)),
+        (0.2, (0.984287, 0.984287, -0.196228)),
+        (0.3, (0.917436, 0.917436, -0.441634)),
+        (0.4, (0.755228, 0.755228, -0.806651)),
+    ):
+        found = corner[round(time / 2e-3)]
+        for axis in (0, 2):
+            name = f"falling sheet 4x4, corner {'xyz'[axis]} at {time} s"
+            assert record(name, found[axis], expected[axis], 2e-6, unit="m", source=OWN)
+
+
+def test_falling_sheet_keeps_its_energy(record):
+    model, sheet = falling_sheet(6)
+    result = pl.simulate(model, duration=0.4, step=1e-3, spectral_radius=0.9)
+    energy = result.energy
+    drift = float(np.abs(energy.total - energy.total[0]).max())
+    # Second order in the step: the prototype loses 9e-4 J of 54 J in play at this step.
+    assert record("falling sheet, energy drift", drift, 0.0, 2e-3, unit="J", source="conservation")
+    # Action and reaction: the pin and the weight change the momentum.
+    assert abs(energy.kinetic[-1] - 53.7) < 0.5
+    assert sheet.node(0).node == 0
+
+
+def test_free_sheet_keeps_its_momenta(record):
+    model = pl.Model()
+    rubber = pl.SaintVenantKirchhoff(youngs_modulus=1e5, poisson_ratio=0.3, density=1000.0)
+
+    def wave(x):
+        return np.stack([0.3 * x[:, 1], -0.2 * x[:, 0], 2 * np.sin(3 * x[:, 0])], axis=1)
+
+    mesh = pl.Mesh.rectangle(1, 0.6, divisions=(4, 3))
+    model.add_shell(mesh, thickness=0.01, material=rubber, velocity=wave)
+    result = pl.simulate(model, duration=0.1, step=1e-3)
+    linear = float(np.abs(result.momentum - result.momentum[0]).max())
+    angular = float(np.abs(result.angular_momentum - result.angular_momentum[0]).max())
+    # Linear momentum is exact to Newton's tolerance; angular momentum to second order in the step.
+    assert record("free sheet, linear momentum", linear, 0.0, 1e-9, unit="kg m/s", source="conservation")
+    assert record("free sheet, angular momentum", angular, 0.0, 2e-3, unit="kg m^2/s", source="conservation")
+
+
+@pytest.mark.parametrize(
+    ("support", "expected"),
+    [
+        ("SSSS", [19.739208802178716, 49.34802200544679, 49.34802200544679, 78.95683520871486]),
+        ("CCCC", [35.98641731302035, 73.4031584924534, 73.40315849291203, 108.23632638902602]),
+        ("CFFF", [3.471424761170057, 8.507920986001201, 21.287904644315624, 27.20004834169813]),
+    ],
+)
+def test_plate_frequencies(record, support, expected):
+    model, plate = unit_plate(6)
+    edges = ("u_min", "u_max", "v_min", "v_max")
+    if support == "SSSS":
+        # Soft support: the line is held, the slope across it is free. Along the edge it follows.
+        for edge in edges:
+            model.pin(plate.edge(edge))
+    elif support == "CCCC":
+        for edge in edges:
+            model.clamp(plate.edge(edge))
+    else:
+        model.clamp(plate.edge("u_min"))
+    found = frequencies(model, 4)
+    source = "closed form" if support == "SSSS" else "prototype, 12 x 12 elements"
+    # Fourth order: the 8 x 8 elements of the prototype are off by up to 7e-4, 6 x 6 by (8/6)^4 of that.
+    for k, (value, exact) in enumerate(zip(found, expected, strict=True)):
+        assert record(f"plate {support}, lambda {k + 1}", value, exact, 2.2e-3 * exact, source=source)
+
+
+def test_free_plate_has_six_rigid_modes_and_then_bends(record):
+    model, _ = unit_plate(6)
+    found = frequencies(model, 9)
+    assert np.all(np.abs(found[:6]) < 1e-2)
+    for k, exact in enumerate([13.468334663034616, 19.5964013175846, 24.270731014925623]):
+        name = f"plate FFFF, lambda {k + 1}"
+        assert record(name, found[6 + k], exact, 1e-3 * exact, source="prototype, 12 x 12 elements")
+
+
+def test_static_bending_of_a_clamped_strip(record):
+    # A strip with nu = 0 is a beam: w = F L^3/(3 E I) at small load.
+    steel = pl.LinearElastic(youngs_modulus=2e11, poisson_ratio=0.0, density=7850.0)
+    model = pl.Model()
+    mesh = pl.Mesh.rectangle(1.0, 0.1, divisions=(4, 1))
+    strip = model.add_shell(mesh, thickness=5e-3, material=steel)
+    model.clamp(strip.edge("u_min"))
+    force = 1e-3
+    model.add_line_load(strip.edge("u_max"), (0, 0, force / 0.1))
+    result = pl.solve_static(model)
+    found = float(result.track(strip.at((1, 0.05, 0))).position[-1, 2])
+    expected = force / (3 * 2e11 * 0.1 * 5e-3**3 / 12)
+    # Cubic functions hold the exact line.
+    assert record("clamped strip, tip", found, expected, 1e-6 * expected, unit="m", source="beam theory")
+
+
+def test_constant_strain_and_curvature_are_exact():
+    """Patch test: a stretched and a rolled sheet of unequal elements."""
+    x = np.array([0.0, 0.17, 0.5, 0.62, 1.0])
+    y = np.array([0.0, 0.3, 0.45])
+    u, v = np.meshgrid(x, y, indexing="ij")
+    rubber = pl.SaintVenantKirchhoff(youngs_modulus=1e6, poisson_ratio=0.3, density=1000.0)
+    stretch = np.array([[1.05, 0.02], [0.01, 0.97]])
+    model = pl.Model()
+    mesh = pl.Mesh.grid(np.stack([u, v, 0 * u], axis=-1))
+    flat = mesh.points[:, :2] @ stretch.T
+    places = np.column_stack([flat, np.zeros(len(flat))])
+    model.add_shell(mesh, thickness=0.01, material=rubber, initial=places, name="sheet")
+    stepper = pl.Stepper(model, step=1e-9)
+    strain = stepper.strain("sheet").membrane
+    green = 0.5 * (stretch.T @ stretch - np.eye(2))
+    expected = [green[0, 0], green[1, 1], green[0, 1]]
+    # The functions hold linear fields: rounding.
+    np.testing.assert_allclose(strain, np.tile(expected, (len(strain), 1)), atol=1e-12)
+    assert np.abs(stepper.strain("sheet").bending).max() < 1e-11
