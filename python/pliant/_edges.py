@@ -128,13 +128,15 @@ class EdgeEquations:
             assert partner is not None
             return self._weld(body, node, self._surface(joint.other), partner)
         if joint.kind == "symmetry":
-            n = np.array(joint.normal)
+            n = np.array(joint.axes[0])
             equations = [(unit[0], none, n)]
             for way in ways:
                 along, across = along_and_across(body, way)
                 equations += [(w, none, n) for w in along]
                 equations += [(w, none, d) for w in across for d in normals(n)]
             return equations
+        if joint.axes:
+            axes = np.array(joint.axes)
         equations = [(unit[0], none, d) for d in axes]
         if joint.kind == "clamp" and not joint.edge.sides:
             # Faces: everything.
@@ -191,6 +193,8 @@ def is_held(model: Model, body: SurfaceBody, faces: tuple[int, ...]) -> bool:
     held: set[tuple[int, int]] = set()
     for joint in model._joints.values():
         if isinstance(joint, EdgeJoint) and joint.edge.body == body.name and joint.kind != "weld":
+            if joint.kind == "pin" and joint.axes:
+                continue
             nodes = joint.edge.nodes
             if joint.edge.sides:
                 held |= {(min(p), max(p)) for p in pairwise(nodes)}

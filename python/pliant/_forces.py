@@ -40,25 +40,29 @@ class Forces(Lookup):
             that close a loop of pins at one place, the last carries nothing.
         """
         plan = self._plan_of(joint)
-        records = self._records
         zero = np.zeros((len(self.time), 3))
         if plan["kind"] == "redundant":
             return Reaction(zero, zero.copy())
         if plan["kind"] == "multiplier":
-            force, moment = zero, zero.copy()
-            for rows, switch in self._poses(plan["index"]):
-                with translated():
-                    force[rows], moment[rows] = by_blocks(
-                        partial(self._system.reaction, plan["index"], switch=switch),
-                        records.time,
-                        records.q,
-                        records.lambda_,
-                        rows=rows,
-                    )
-            return Reaction(force, moment)
+            return Reaction(*self._multiplier_reaction(plan["index"]))
         if plan["kind"] == "nodes":
             return self._edge_reaction(joint, plan)
         return Reaction(self._shared_force(plan), zero)
+
+    def _multiplier_reaction(self, index: int) -> tuple[FloatArray, FloatArray]:
+        """Force and moment of a joint of the core."""
+        records = self._records
+        force, moment = (np.zeros((len(self.time), 3)) for _ in range(2))
+        for rows, switch in self._poses(index):
+            with translated():
+                force[rows], moment[rows] = by_blocks(
+                    partial(self._system.reaction, index, switch=switch),
+                    records.time,
+                    records.q,
+                    records.lambda_,
+                    rows=rows,
+                )
+        return force, moment
 
     def _edge_reaction(self, joint: Joint, plan: dict[str, Any]) -> Reaction:
         """Sum over the nodes of an edge; the moment is about its first node."""
@@ -68,8 +72,7 @@ class Forces(Lookup):
         center = self._at(data.a, records.q)
         force, moment = np.zeros_like(center), np.zeros_like(center)
         for index, node in zip(plan["indices"], plan["nodes"], strict=True):
-            with translated():
-                f, m = self._system.reaction(index, records.time, records.q, records.lambda_)
+            f, m = self._multiplier_reaction(index)
             force += f
             moment += m + np.cross(places[:, node] - center, f)
         return Reaction(force, moment)
@@ -189,7 +192,8 @@ class Forces(Lookup):
         surface = self._name(body)
         if surface in self._lowered.surfaces:
             with translated():
-                rows = self._system.surface_strain(self._lowered.surfaces[surface], self._records.q)
+                number = self._lowered.surfaces[surface]
+                rows = by_blocks(partial(self._system.surface_strain, number), self._records.q)
             return SurfaceStrain(rows[..., :3].copy(), rows[..., 3:6].copy(), rows[..., 6].astype(np.int64))
         _, name = self._line(body)
         with translated():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant._edges import EdgeEquations, is_held
-from pliant._lowered import BodyState, Input, Lowered, signals_of
+from pliant._lowered import BodyState, Input, Lowered, numbers_of, signals_of
 from pliant._sharing import Sharing
 from pliant.bodies import LineBody
 from pliant.errors import ModelError
@@ -285,10 +285,10 @@ class _Lowering(Sharing):
     def _latches(self) -> list[Json]:
         """Joints that are released and engaged, or could be."""
         return [
-            {"joint": plan["index"], **latch.document(), "engaged": latch.holds_at_start}
+            {"joint": index, **latch.document(), "engaged": latch.holds_at_start}
             for name, latch in ((name, self.model._latch(name)) for name in self.model._joints)
-            if (plan := self.lowered.plan[name])["kind"] == "multiplier"
-            and (latch.floats or not latch.is_permanent)
+            if latch.floats or not latch.is_permanent
+            for index in numbers_of(self.lowered.plan[name])
         ]
 
     def _forces(self) -> list[Json]:

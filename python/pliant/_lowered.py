@@ -17,7 +17,7 @@ from pliant.typing import FloatArray, Json
 if TYPE_CHECKING:
     from pliant.model import Model
 
-__all__ = ["BodyState", "Input", "Lowered", "initial_state", "signals_of"]
+__all__ = ["BodyState", "Input", "Lowered", "initial_state", "numbers_of", "signals_of"]
 
 
 class BodyState(NamedTuple):
@@ -107,6 +107,11 @@ class Lowered:
     def held_values(self) -> FloatArray:
         """Initial values of all inputs, one after the other."""
         return np.array([x for _, initial in self.held.values() for x in initial])
+
+
+def numbers_of(plan: Json) -> list[int]:
+    """Numbers of the core's joints that realise a joint."""
+    return [plan["index"]] if plan["kind"] == "multiplier" else plan.get("indices", [])
 
 
 def signals_of(item: Any) -> list[Signal]:

@@ -134,7 +134,11 @@ class Motion(Lookup):
         data = self.model._bodies[name]
         if isinstance(data, SurfaceBody):
             with translated():
-                return self._system.surface_center(self._lowered.surfaces[name], self._records.q)
+                number = self._lowered.surfaces[name]
+                middle: FloatArray = by_blocks(
+                    partial(self._system.surface_center, number), self._records.q
+                )
+                return middle
         if not isinstance(data, LineBody):
             return self._nodes(name, self._records.q)[:, 0]
         offsets = self._offsets(name)[:, :, None] + np.arange(3)

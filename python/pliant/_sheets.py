@@ -12,7 +12,7 @@ from pliant.errors import ModelError
 from pliant.joints import EdgeJoint, axis_of
 from pliant.loads import EdgeLoad, EdgeMoment, Pressure
 from pliant.materials import Material
-from pliant.points import Handle, Joint, Load, require_handle
+from pliant.points import Handle, Joint, Load, Point, require_handle
 from pliant.signals import as_signal
 from pliant.surfaces import Edge, Faces, Membrane, Shell, SurfaceBody, make_surface
 from pliant.typing import ArrayLike
@@ -187,7 +187,7 @@ class Sheets(Mechanism):
             _check.fail(
                 "normal", normal, f"the edge leaves a plane with this normal by {np.abs(off).max():.3g} m"
             )
-        return self._hold("symmetry", edge, name, normal=unit)
+        return self._hold("symmetry", edge, name, axes=(unit,))
 
     def add_pressure(
         self, surface: Shell | Membrane | Faces, pressure: Any, *, name: str | None = None
@@ -261,6 +261,20 @@ class Sheets(Mechanism):
 
     # Shared by the methods of points
 
+    def _pin_directions(self, point: Any, directions: Any, name: str | None) -> Joint:
+        """Hold some directions of a node or an edge of a surface."""
+        axes: tuple[Any, ...] = ()
+        if directions is not None:
+            flat = isinstance(directions, (tuple, list, np.ndarray)) and np.ndim(directions) == 1
+            rows = _check.array([directions] if flat else directions, "directions", (None, 3))
+            axes = tuple(axis_of(row, "directions") for row in rows)
+        if isinstance(point, Point):
+            at = self._point(point, "point")
+            if at.node is None or not isinstance(self._bodies[at.body], SurfaceBody):
+                _check.fail("directions", directions, "are there for nodes and edges of surfaces")
+            point = Edge(at.identity, at.body, (at.node,), ())
+        return self._hold("pin", self._edge(point, "point"), name, axes=axes)
+
     def _edge_load(self, edge: Edge, value: Any, name: str | None) -> Load:
         self._edge(edge, "cable")
         signal = as_signal(value, "force_per_length", 3)
@@ -298,7 +312,7 @@ class Sheets(Mechanism):
         name: str | None,
         *,
         other: Edge | None = None,
-        normal: Any = None,
+        axes: Any = (),
     ) -> Joint:
         """Add a joint of an edge (or of faces)."""
         self._check_part(edge, "edge")
@@ -307,7 +321,7 @@ class Sheets(Mechanism):
             nodes = sorted({int(node) for face in edge.numbers for node in body.corners(face)})
             edge = Edge(edge.identity, edge.body, tuple(nodes), ())
         point = body.node_point(self._identity, edge.nodes[0])
-        return self._add_joint(EdgeJoint(self._new_name(name, kind), point, kind, edge, other, normal))
+        return self._add_joint(EdgeJoint(self._new_name(name, kind), point, kind, edge, other, axes))
 
     def _weld_edges(self, a: Edge, b: Edge, name: str | None) -> Joint:
         """Join two edges with matching nodes."""

@@ -18,6 +18,7 @@ from pliant.loads import Force
 from pliant.points import Joint, Point
 from pliant.rigid import RigidBodyData
 from pliant.signals import scaled
+from pliant.surfaces import SurfaceBody
 from pliant.typing import ArrayLike, FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -242,10 +243,37 @@ def _mass(result: Result, name: str, frames: IntArray, fine: int, given: FloatAr
     return Marker(name, result._nodes(name, result._records.q[frames]), values)
 
 
+def _surface(result: Result, name: str, frames: IntArray, fine: int, given: FloatArray | None) -> Drawing:
+    """Triangles of a shell or membrane, finer than the elements where these are few."""
+    body = result.model._bodies[name]
+    assert isinstance(body, SurfaceBody)
+    weights, triangles, face = body.triangulation(1 if body.vectors == 1 else max(1, min(6, 48 // _across(body))))
+    index = result._offsets(name)[:, 0][:, None] + np.arange(3)
+    q, v = result._records.q[frames][:, index], result._records.v[frames][:, index]
+    velocity = np.stack([weights @ one for one in v])
+    strain = result._system.surface_strain(result._lowered.surfaces[name], result._records.q[frames])
+    mean, half = (strain[..., 0] + strain[..., 1]) / 2, (strain[..., 0] - strain[..., 1]) / 2
+    values = {
+        "strain": (mean + np.hypot(half, strain[..., 2])) @ face.T,
+        "regime": strain[..., 6] @ face.T,
+        "speed": np.linalg.norm(velocity, axis=2),
+        "velocity": velocity,
+    }
+    if given is not None:
+        shares = abs(weights[:, :: body.vectors])
+        values["color"] = given @ np.asarray(shares / shares.sum(axis=1)).T
+    return Surface(name, np.stack([weights @ one for one in q]), triangles, values)
+
+
+def _across(body: SurfaceBody) -> int:
+    return max(1, round(float(np.sqrt(body.elements))))
+
+
 LOOKS: dict[type, Callable[[Any, str, IntArray, int, FloatArray | None], Drawing]] = {
     LineBody: _line,
     RigidBodyData: _rigid,
     MassBody: _mass,
+    SurfaceBody: _surface,
 }
 """Look of each kind of body: (result, name, frames, pieces an element, given values) to what is drawn."""
 

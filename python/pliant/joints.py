@@ -136,7 +136,8 @@ class SlideCable:
 class EdgeJoint:
     """An edge of a surface is held: clamped, pinned, in a plane of symmetry, or welded to another edge.
 
-    ``a`` is the first node of the edge, about which the reaction's moment is told.
+    ``a`` is the first node of the edge, about which the reaction's moment is told; ``axes`` are the
+    directions that a pin holds (all where there are none), or the normal of a plane of symmetry.
     """
 
     name: str
@@ -144,13 +145,12 @@ class EdgeJoint:
     kind: str
     edge: Edge
     other: Edge | None = None
-    normal: Axis | None = None
+    axes: tuple[Axis, ...] = ()
 
     def __post_init__(self) -> None:
         _check.text(self.name, "name")
         _check.choice(self.kind, "kind", ("clamp", "pin", "symmetry", "weld"))
-        if self.normal is not None:
-            object.__setattr__(self, "normal", axis_of(self.normal, "normal"))
+        object.__setattr__(self, "axes", tuple(axis_of(axis, "axes") for axis in self.axes))
 
 
 JointData = Pair | Clamp | SlideCable | EdgeJoint

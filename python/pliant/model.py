@@ -338,7 +338,15 @@ class Model(Sheets, Drives):
         at = self._directed_point(point, "point")
         return self._add_joint(Clamp(self._new_name(name, "clamp"), at), engaged, None)
 
-    def pin(self, point: Any, to: Any = None, *, engaged: bool = True, name: str | None = None) -> Joint:
+    def pin(
+        self,
+        point: Any,
+        to: Any = None,
+        *,
+        directions: ArrayLike | None = None,
+        engaged: bool = True,
+        name: str | None = None,
+    ) -> Joint:
         """Hold a point's position.
 
         Parameters
@@ -347,6 +355,8 @@ class Model(Sheets, Drives):
             First point; or an edge of a surface, held all along.
         to : Point, body or array_like, shape (3,), optional
             Second point, at the same place; None: the world, where the point starts.
+        directions : array_like, shape (3,) or (k, 3), optional
+            Directions that are held at a node or an edge of a surface; by default all.
         engaged : bool
             Whether it holds from the start; else it is free until :meth:`Joint.engage` or
             :meth:`Stepper.engage`, and its points may be apart.
@@ -367,10 +377,10 @@ class Model(Sheets, Drives):
         >>> model.constraints
         3
         """
-        if isinstance(point, Edge):
+        if isinstance(point, Edge) or directions is not None:
             if to is not None:
-                _check.fail("to", to, "an edge is pinned to the world; weld joins two edges")
-            return self._hold("pin", point, name)
+                _check.fail("to", to, "edges and directions are pinned to the world; weld joins two edges")
+            return self._pin_directions(point, directions, name)
         a, b, here = self._pair(point, to, ("point", "to"))
         self._require_together(a, b, to, "to", engaged)
         return self._add_joint(Pin(self._new_name(name, "pin"), a, b, here), engaged, point, to)

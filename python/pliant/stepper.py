@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar, cast
 import numpy as np
 
 from pliant import _check
-from pliant._lowered import Lowered, signals_of
+from pliant._lowered import Lowered, numbers_of, signals_of
 from pliant._running import (
     CallableInputs,
     as_records,
@@ -272,7 +272,8 @@ class Stepper:
     def _switch(self, joint: Joint, engage: bool, gap: float | None) -> None:
         plan = self._now._plan_of(joint)
         self.model._require_latch(joint.name)
-        if plan["kind"] != "multiplier":
+        numbers = numbers_of(plan)
+        if not numbers:
             _check.fail(
                 "joint",
                 joint,
@@ -282,7 +283,8 @@ class Stepper:
         self._present = None
         try:
             with self._inputs.guarded(), translated():
-                self._integrator.switch(plan["index"], engage, gap)
+                for number in numbers:
+                    self._integrator.switch(number, engage, gap)
         except ConvergenceError as error:
             # Nothing has been computed: what was asked for cannot be.
             raise ModelError(f"joint = '{joint.name}': {error}") from error

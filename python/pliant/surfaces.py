@@ -213,6 +213,50 @@ class SurfaceBody:
         place: FloatArray = rows[:, 0] @ q.reshape(-1, 3)[index]
         return place
 
+    def triangulation(self, fine: int) -> tuple[Any, IntArray, Any]:
+        """Triangles for pictures, ``fine`` pieces along each side of a face.
+
+        Returns sparse weights of the nodal vectors in the points (p, nodes * vectors), triangles (t, 3) and
+        sparse shares of the faces in the points (p, faces).
+        """
+        from scipy.sparse import coo_array
+
+        keys: dict[tuple[int, ...], int] = {}
+        rows: list[IntArray] = []
+        columns: list[IntArray] = []
+        values: list[FloatArray] = []
+        triangles: list[tuple[int, int, int]] = []
+        owners: list[tuple[int, int]] = []
+        flat = self.reference.reshape(-1, 3)
+        grain = 1e-7 * float(np.ptp(self.reference[:, 0], axis=0).max())
+        for face in range(self.elements):
+            quad = face < len(self.quads)
+            local: dict[tuple[int, int], int] = {}
+            for i in range(fine + 1):
+                for j in range(fine + 1 if quad else fine + 1 - i):
+                    index, functions = self.shape(face, (i / fine, j / fine))
+                    place = functions[:, 0] @ flat[index]
+                    key = tuple(int(x) for x in np.round(place / grain))
+                    if key not in keys:
+                        keys[key] = len(keys)
+                        rows.append(np.full(len(index), keys[key]))
+                        columns.append(index)
+                        values.append(functions[:, 0])
+                    local[i, j] = keys[key]
+                    owners.append((keys[key], face))
+            for i in range(fine):
+                for j in range(fine if quad else fine - i):
+                    triangles.append((local[i, j], local[i + 1, j], local[i, j + 1]))
+                    if (i + 1, j + 1) in local:
+                        triangles.append((local[i + 1, j], local[i + 1, j + 1], local[i, j + 1]))
+        count = len(keys)
+        place = (np.concatenate(rows), np.concatenate(columns))
+        weights = coo_array((np.concatenate(values), place), (count, len(flat))).tocsr()
+        point, face_of = np.unique(np.array(owners), axis=0).T
+        share = 1.0 / np.bincount(point, minlength=count)[point]
+        faces = coo_array((share, (point, face_of)), (count, self.elements)).tocsr()
+        return weights, np.array(triangles), faces
+
     def node_point(self, identity: str, node: int) -> Point:
         """Return the node as a material point."""
         face, corner = self._face_of[node]

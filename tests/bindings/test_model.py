@@ -192,7 +192,7 @@ def test_signals_combine() -> None:
 
 
 def test_what_is_not_there_is_absent() -> None:
-    for name in ("NeoHookean", "sweep"):
+    for name in ("BilinearPlastic", "sweep"):
         assert not hasattr(pl, name)
 
 

@@ -34,6 +34,9 @@ def scenery() -> SimpleNamespace:
     kinds = {"elements": 4, "section": section, "material": rubber}
     line = [(0, 0, 0), (1, 0, 0)]
     brick = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)), position=(2, 0, 0), name="brick")
+    square = pl.Mesh.rectangle(1, 1, divisions=(2, 2))
+    sheet = model.add_shell(square, thickness=0.01, material=rubber, name="sheet")
+    film = model.add_membrane(square, thickness=1e-4, material=rubber, name="film")
     arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
     return SimpleNamespace(
         m=model,
@@ -41,6 +44,9 @@ def scenery() -> SimpleNamespace:
         net=net,
         ball=ball,
         brick=brick,
+        sheet=sheet,
+        film=film,
+        square=square,
         stranger=stranger,
         k=kinds,
         line=line,
@@ -55,6 +61,11 @@ def cable(s: SimpleNamespace, points: Any = None, **changes: Any) -> Any:
 
 def net(s: SimpleNamespace, points: Any, edges: Any, **changes: Any) -> Any:
     return s.m.add_cable_net(points, edges, **{**s.k, **changes})
+
+
+def shell(s: SimpleNamespace, mesh: Any = None, **changes: Any) -> Any:
+    given = {"thickness": 0.01, "material": s.k["material"], **changes}
+    return s.m.add_shell(s.square if mesh is None else mesh, **given)
 
 
 def rigid(s: SimpleNamespace, **changes: Any) -> Any:
@@ -106,6 +117,43 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("gravity", "down", lambda s: pl.Model(gravity="down")),
     ("gravity", "None", lambda s: pl.Model(gravity=None)),
     ("gravity", "True", lambda s: pl.Model(gravity=(0, 0, True))),
+    # surfaces
+    ("thickness", "0", lambda s: shell(s, thickness=0)),
+    ("thickness", "nan", lambda s: shell(s, thickness=NAN)),
+    ("thickness", "[1, 2]", lambda s: shell(s, thickness=[1, 2])),
+    ("mesh", "'square'", lambda s: shell(s, "square")),
+    ("material", "None", lambda s: shell(s, material=None)),
+    ("element", "'brick'", lambda s: shell(s, element="brick")),
+    ("quadrature", "'gauss'", lambda s: shell(s, quadrature="gauss")),
+    ("quadrature", "'reduced'", lambda s: shell(s, element="triangle", quadrature="reduced")),
+    ("initial", "(8, 3)", lambda s: shell(s, initial=np.zeros((8, 3)))),
+    ("velocity", "(1, 2)", lambda s: shell(s, velocity=(1, 2))),
+    (
+        "wrinkling",
+        "-1",
+        lambda s: s.m.add_membrane(s.square, thickness=1, material=s.k["material"], wrinkling=-1),
+    ),
+    ("width", "0", lambda s: pl.Mesh.rectangle(0, 1, divisions=(1, 1))),
+    ("divisions", "3", lambda s: pl.Mesh.rectangle(1, 1, divisions=3)),
+    ("divisions[1]", "0", lambda s: pl.Mesh.rectangle(1, 1, divisions=(1, 0))),
+    ("points", "(2, 3)", lambda s: pl.Mesh.grid(np.zeros((2, 3)))),
+    ("position", "1.0", lambda s: pl.Mesh.surface(1.0, (0, 1), (0, 1), (1, 1))),
+    ("u", "(1, 0)", lambda s: pl.Mesh.surface(lambda u, v: (u, v, 0), (1, 0), (0, 1), (1, 1))),
+    ("quads[0]", "[0, 1, 2, 9]", lambda s: pl.Mesh([*TRIANGLE, (1, 1, 0)], quads=[(0, 1, 2, 9)])),
+    ("points[3]", "[2., 2., 2.]", lambda s: pl.Mesh([*TRIANGLE, (2, 2, 2)], triangles=[(0, 1, 2)])),
+    ("i", "9", lambda s: s.sheet.node(9)),
+    ("points", "'left'", lambda s: s.sheet.edge("left")),
+    ("points[0]", "5", lambda s: s.sheet.edge([(5, 5, 5), (0, 0, 0)])),
+    ("select", "'wing'", lambda s: s.sheet.faces("wing")),
+    ("select", "[7]", lambda s: s.sheet.faces([7])),
+    ("surface", "brick", lambda s: s.m.add_pressure(s.brick, 1.0)),
+    ("pressure", "'high'", lambda s: s.m.add_pressure(s.sheet, "high")),
+    ("edge", "sheet", lambda s: s.m.add_edge_moment(s.sheet, 1.0)),
+    ("edge", "film", lambda s: s.m.add_edge_moment(s.film.edge("u_min"), 1.0)),
+    ("normal", "(0, 1, 0)", lambda s: s.m.symmetry(s.sheet.edge("u_min"), normal=(0, 1, 0))),
+    ("point", "Point", lambda s: s.m.clamp(s.film.node(0))),
+    ("to", "(0, 0, 0)", lambda s: s.m.pin(s.sheet.edge("u_min"), to=(0, 0, 0))),
+    ("b", "film", lambda s: s.m.weld(s.sheet.edge("u_min"), s.film.edge("rim"))),
     # sections
     ("radius", "0", lambda s: pl.Circle(radius=0)),
     ("radius", "-1", lambda s: pl.Circle(radius=-1)),
