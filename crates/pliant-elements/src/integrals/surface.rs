@@ -59,7 +59,7 @@ pub(crate) fn place(
     let (a, b) = (along(|j| j.u), along(|j| j.v));
     let normal = a.cross(b);
     let (length, area) = (a.dot(a).sqrt(), normal.dot(normal).sqrt());
-    if !(area > 1e-12 * (a.dot(a) + b.dot(b))) {
+    if area.is_nan() || area <= 1e-12 * (a.dot(a) + b.dot(b)) {
         return None;
     }
     let normal = normal.times(1.0 / area);
