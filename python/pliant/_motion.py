@@ -135,9 +135,7 @@ class Motion(Lookup):
         if isinstance(data, SurfaceBody):
             with translated():
                 number = self._lowered.surfaces[name]
-                middle: FloatArray = by_blocks(
-                    partial(self._system.surface_center, number), self._records.q
-                )
+                middle: FloatArray = by_blocks(partial(self._system.surface_center, number), self._records.q)
                 return middle
         if not isinstance(data, LineBody):
             return self._nodes(name, self._records.q)[:, 0]

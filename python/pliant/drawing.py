@@ -247,7 +247,8 @@ def _surface(result: Result, name: str, frames: IntArray, fine: int, given: Floa
     """Triangles of a shell or membrane, finer than the elements where these are few."""
     body = result.model._bodies[name]
     assert isinstance(body, SurfaceBody)
-    weights, triangles, face = body.triangulation(1 if body.vectors == 1 else max(1, min(6, 48 // _across(body))))
+    across = max(1, round(float(np.sqrt(body.elements))))
+    weights, triangles, face = body.triangulation(1 if body.vectors == 1 else max(1, min(6, 48 // across)))
     index = result._offsets(name)[:, 0][:, None] + np.arange(3)
     q, v = result._records.q[frames][:, index], result._records.v[frames][:, index]
     velocity = np.stack([weights @ one for one in v])
@@ -263,10 +264,6 @@ def _surface(result: Result, name: str, frames: IntArray, fine: int, given: Floa
         shares = abs(weights[:, :: body.vectors])
         values["color"] = given @ np.asarray(shares / shares.sum(axis=1)).T
     return Surface(name, np.stack([weights @ one for one in q]), triangles, values)
-
-
-def _across(body: SurfaceBody) -> int:
-    return max(1, round(float(np.sqrt(body.elements))))
 
 
 LOOKS: dict[type, Callable[[Any, str, IntArray, int, FloatArray | None], Drawing]] = {

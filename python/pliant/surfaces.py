@@ -227,16 +227,14 @@ class SurfaceBody:
         values: list[FloatArray] = []
         triangles: list[tuple[int, int, int]] = []
         owners: list[tuple[int, int]] = []
-        flat = self.reference.reshape(-1, 3)
-        grain = 1e-7 * float(np.ptp(self.reference[:, 0], axis=0).max())
         for face in range(self.elements):
             quad = face < len(self.quads)
+            nodes = self.corners(face).tolist()
             local: dict[tuple[int, int], int] = {}
             for i in range(fine + 1):
                 for j in range(fine + 1 if quad else fine + 1 - i):
                     index, functions = self.shape(face, (i / fine, j / fine))
-                    place = functions[:, 0] @ flat[index]
-                    key = tuple(int(x) for x in np.round(place / grain))
+                    key = _shared_key(nodes, i, j, fine) or (face, i, j)
                     if key not in keys:
                         keys[key] = len(keys)
                         rows.append(np.full(len(index), keys[key]))
@@ -251,7 +249,7 @@ class SurfaceBody:
                         triangles.append((local[i + 1, j], local[i + 1, j + 1], local[i, j + 1]))
         count = len(keys)
         place = (np.concatenate(rows), np.concatenate(columns))
-        weights = coo_array((np.concatenate(values), place), (count, len(flat))).tocsr()
+        weights = coo_array((np.concatenate(values), place), (count, self.nodes * self.vectors)).tocsr()
         point, face_of = np.unique(np.array(owners), axis=0).T
         share = 1.0 / np.bincount(point, minlength=count)[point]
         faces = coo_array((share, (point, face_of)), (count, self.elements)).tocsr()
@@ -371,6 +369,24 @@ class SurfaceBody:
                 raise ModelError(f"edge: nodes {a} and {b} of '{self.name}' are not neighbours")
             sides.append(found[0])
         return sides
+
+
+def _shared_key(nodes: list[int], i: int, j: int, fine: int) -> tuple[int, ...] | None:
+    """Name of a point on a side, (node, node, pieces from the first), the same for all faces there."""
+    k = fine - i - j
+    on = [
+        (j == 0, 0, 1, i),
+        (i == fine, 1, 2, j) if len(nodes) == 4 else (k == 0, 1, 2, j),
+        (j == fine, 2, 3, fine - i) if len(nodes) == 4 else (i == 0, 2, 0, fine - j),
+        (i == 0, 3, 0, fine - j) if len(nodes) == 4 else (False, 0, 0, 0),
+    ]
+    for there, a, b, pieces in on:
+        if there:
+            first, second = nodes[a], nodes[b]
+            if pieces in (0, fine):
+                return (-1, first if pieces == 0 else second)
+            return (-2, first, second, pieces) if first < second else (-2, second, first, fine - pieces)
+    return None
 
 
 def _shortest(pairs: set[tuple[int, int]], r: FloatArray, start: int, end: int) -> list[int] | None:
