@@ -12,7 +12,7 @@ from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import FORCES
 from pliant.joints import JOINTS
-from pliant.loads import Force, LineLoad, Moment
+from pliant.loads import Force, LineLoad, Moment, MovingForce
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.shapes import SHAPES
@@ -31,6 +31,7 @@ KINDS: Mapping[str, type[Any]] = {
         Force,
         Moment,
         LineLoad,
+        MovingForce,
         Point,
         WorldPoint,
         Constant,

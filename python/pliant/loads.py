@@ -9,7 +9,7 @@ from pliant.forces import ForceData
 from pliant.points import Point
 from pliant.signals import Signal
 
-__all__ = ["Force", "LineLoad", "LoadData", "Moment"]
+__all__ = ["Force", "LineLoad", "LoadData", "Moment", "MovingForce"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,23 @@ class LineLoad:
         _check_load(self.name, self.value)
 
 
-LoadData = Force | Moment | LineLoad | ForceData
+@dataclass(frozen=True)
+class MovingForce:
+    """A force [N] at an arc length [m] of a cable's stress-free line."""
+
+    name: str
+    body: str
+    value: Signal
+    position: Signal
+
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value)
+        _check.text(self.body, "body")
+        if not isinstance(self.position, Signal) or self.position.size != 1:
+            _check.fail("position", self.position, "must be a signal of one component")
+
+
+LoadData = Force | Moment | LineLoad | MovingForce | ForceData
 
 
 def _check_load(name: object, value: object) -> None:

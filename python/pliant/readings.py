@@ -21,6 +21,7 @@ __all__ = [
     "SpringForce",
     "Statistics",
     "Strain",
+    "TendonForce",
     "Track",
 ]
 
@@ -95,6 +96,15 @@ class SpringForce:
     length: FloatArray
     rate: FloatArray
     force: FloatArray
+
+
+@dataclass(frozen=True)
+class TendonForce:
+    """A tendon: length [m], tension at the pulled end [N], each (n,), and of each span [N], (n, spans)."""
+
+    length: FloatArray
+    tension: FloatArray
+    tensions: FloatArray
 
 
 @dataclass(frozen=True)

@@ -21,3 +21,4 @@ pub mod spec;
 pub mod system;
 pub mod teaching;
 mod vector;
+pub mod winch;
