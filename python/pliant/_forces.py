@@ -113,7 +113,11 @@ class Forces(Lookup):
             with translated():
                 cable = self._lowered.cables[name]
                 total += by_blocks(
-                    partial(self._system.nodal_force, cable, node), records.q, records.v, records.a, records.outputs
+                    partial(self._system.nodal_force, cable, node),
+                    records.q,
+                    records.v,
+                    records.a,
+                    records.outputs,
                 )
         for name in plan["masses"]:
             mass = self.model._bodies[name]
@@ -168,7 +172,9 @@ class Forces(Lookup):
         data, name = self._line(body)
         with translated():
             force: FloatArray = by_blocks(
-                partial(self._system.axial_force, self._lowered.cables[name]), self._records.q, self._records.outputs
+                partial(self._system.axial_force, self._lowered.cables[name]),
+                self._records.q,
+                self._records.outputs,
             )
         if data.kind == "cable":
             return force
@@ -182,6 +188,8 @@ class Forces(Lookup):
         _, name = self._line(body)
         with translated():
             axial, curvature = by_blocks(
-                partial(self._system.strain, self._lowered.cables[name]), self._records.q, self._records.outputs
+                partial(self._system.strain, self._lowered.cables[name]),
+                self._records.q,
+                self._records.outputs,
             )
         return Strain(axial, curvature)
