@@ -10,10 +10,10 @@ import numpy as np
 from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
-from pliant.forces import ForceData
+from pliant.forces import ForceData, Wind
 from pliant.joints import EdgeJoint, JointData, Pair, SlideCable
 from pliant.latches import Latch
-from pliant.loads import LineLoad, LoadData, Pressure, SurfaceLoad
+from pliant.loads import LineLoad, LoadData, MovingForce, Pressure, SurfaceLoad
 from pliant.points import (
     Cable,
     CableNet,
@@ -115,9 +115,11 @@ class Contents:
         for load in self._loads.values():
             if isinstance(load, ForceData):
                 places += [(point, (Point, WorldPoint)) for point in load.points()]
+                if isinstance(load, Wind) and not isinstance(self._bodies[load.body], LineBody):
+                    raise ModelError(f"load '{load.name}': '{load.body}' is no cable")
             elif isinstance(load, SurfaceLoad):
                 self._verify_part(load.faces if isinstance(load, Pressure) else load.edge, load.name)
-            elif not isinstance(load, LineLoad):
+            elif not isinstance(load, (LineLoad, MovingForce)):
                 places.append((load.at, (Point,)))
             elif not isinstance(self._bodies[load.body], LineBody):
                 raise ModelError(f"load '{load.name}': '{load.body}' is no cable")

@@ -129,9 +129,9 @@ class System:
         inputs: Callable[[float], FloatArray] | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Squares of angular frequencies (count,) ascending [1/s^2], shapes (count, nv), mass-normalised."""
-    def axial_force(self, cable: int, q: FloatArray) -> FloatArray:
+    def axial_force(self, cable: int, q: FloatArray, outputs: FloatArray) -> FloatArray:
         """Axial force [N] at mid-element, shape (n, elements), of states (n, nq)."""
-    def strain(self, cable: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def strain(self, cable: int, q: FloatArray, outputs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Axial strain (n, elements) and material curvature vector [1/m] (n, elements, 3) at mid-element."""
     def surface_strain(self, surface: int, q: FloatArray) -> FloatArray:
         """Membrane strain (11, 22, 12), change of curvature (11, 22, 12) [1/m] and regime at the middle of
@@ -159,6 +159,7 @@ class System:
         q: FloatArray,
         v: FloatArray,
         a: FloatArray,
+        outputs: FloatArray,
     ) -> FloatArray:
         """Force [N] that everything else exerts on this cable's node (inertia included), shape (n, 3)."""
     def momentum(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

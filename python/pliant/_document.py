@@ -12,7 +12,7 @@ from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import FORCES
 from pliant.joints import JOINTS
-from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, Pressure
+from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, MovingForce, Pressure
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.shapes import SHAPES
@@ -38,6 +38,7 @@ KINDS: Mapping[str, type[Any]] = {
         Force,
         Moment,
         LineLoad,
+        MovingForce,
         Point,
         WorldPoint,
         Constant,

@@ -11,10 +11,10 @@ from pliant import _check
 from pliant._lookup import Lookup
 from pliant.bodies import GAUSS_5, MassBody, element_masses, hermite
 from pliant.errors import translated
-from pliant.forces import ForceData, Spring
+from pliant.forces import ForceData, Spring, Tendon
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Load, require_handle
-from pliant.readings import Reaction, SpringForce, Strain, SurfaceStrain
+from pliant.readings import Reaction, SpringForce, Strain, SurfaceStrain, TendonForce
 from pliant.records import by_blocks
 from pliant.signals import scaled
 from pliant.typing import FloatArray
@@ -92,6 +92,23 @@ class Forces(Lookup):
         """
         return SpringForce(*self._outputs(spring, Spring, "spring", "a spring of the model"))
 
+    def tendon(self, tendon: Load) -> TendonForce:
+        """Length and tensions of a tendon.
+
+        Parameters
+        ----------
+        tendon : Load
+            Handle that ``add_tendon`` returned.
+
+        Returns
+        -------
+        TendonForce
+            ``length`` [m] and ``tension`` at the pulled end [N], each (n,), and ``tensions`` of all spans
+            from the pulled end on (n, spans).
+        """
+        numbers = self._outputs(tendon, Tendon, "tendon", "a tendon of the model")
+        return TendonForce(numbers[0], numbers[1], np.ascontiguousarray(numbers[1:].T))
+
     def _outputs(self, load: object, kind: type[ForceData], name: str, what: str) -> FloatArray:
         """Numbers that a force of this kind shows, one a row, (numbers, n)."""
         if not isinstance(load, Load):
@@ -115,7 +132,11 @@ class Forces(Lookup):
             with translated():
                 cable = self._lowered.cables[name]
                 total += by_blocks(
-                    partial(self._system.nodal_force, cable, node), records.q, records.v, records.a
+                    partial(self._system.nodal_force, cable, node),
+                    records.q,
+                    records.v,
+                    records.a,
+                    records.outputs,
                 )
         for name in plan["masses"]:
             mass = self.model._bodies[name]
@@ -170,7 +191,9 @@ class Forces(Lookup):
         data, name = self._line(body)
         with translated():
             force: FloatArray = by_blocks(
-                partial(self._system.axial_force, self._lowered.cables[name]), self._records.q
+                partial(self._system.axial_force, self._lowered.cables[name]),
+                self._records.q,
+                self._records.outputs,
             )
         if data.kind == "cable":
             return force
@@ -198,6 +221,8 @@ class Forces(Lookup):
         _, name = self._line(body)
         with translated():
             axial, curvature = by_blocks(
-                partial(self._system.strain, self._lowered.cables[name]), self._records.q
+                partial(self._system.strain, self._lowered.cables[name]),
+                self._records.q,
+                self._records.outputs,
             )
         return Strain(axial, curvature)

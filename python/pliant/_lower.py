@@ -13,7 +13,7 @@ from pliant._lowered import BodyState, Input, Lowered, numbers_of, signals_of
 from pliant._sharing import Sharing
 from pliant.bodies import LineBody
 from pliant.errors import ModelError
-from pliant.forces import ForceData
+from pliant.forces import ForceData, Wind
 from pliant.joints import (
     Clamp,
     Cylindrical,
@@ -29,9 +29,9 @@ from pliant.joints import (
     Universal,
     Weld,
 )
-from pliant.loads import EdgeLoad, LineLoad, Moment, Pressure, SurfaceLoad
+from pliant.loads import EdgeLoad, LineLoad, Moment, MovingForce, Pressure, SurfaceLoad
 from pliant.points import Point, WorldPoint
-from pliant.signals import Function
+from pliant.signals import Function, Signal
 from pliant.signals import Input as HeldInput
 from pliant.surfaces import SurfaceBody
 from pliant.typing import Json
@@ -136,12 +136,13 @@ class _Lowering(Sharing):
     def _number_inputs(self) -> None:
         """Give numbers to the inputs that are set by name, before any callable asks for its own."""
         held, first = self.lowered.held, 0
-        for item in [*self.model._joints.values(), *self.model._loads.values()]:
+        model = self.model
+        for item in [*model._bodies.values(), *model._joints.values(), *model._loads.values()]:
             for given in (one for signal in signals_of(item) for one in signal.inputs()):
                 initial = given(0.0).tolist()
                 if given.name in held and held[given.name][1] != initial:
                     raise ModelError(
-                        f"input '{given.name}' begins with {held[given.name][1]} in one load and with "
+                        f"input '{given.name}' begins with {held[given.name][1]} in one place and with "
                         f"{initial} in '{item.name}': give all the same initial value"
                     )
                 if given.name not in held:
@@ -183,6 +184,7 @@ class _Lowering(Sharing):
             "integration": body.integration,
             "bending": body.bending,
             "reference": reference,
+            "rest_length": None if body.rest_length is None else self._signal(body.rest_length, body.name),
             "tension_only": body.tension_only,
             "retardation_time": body.retardation_time,
             "shared": self._array(np.array(self.rows[body.name], dtype=np.float64).reshape(-1, 2)),
@@ -297,24 +299,47 @@ class _Lowering(Sharing):
             if not isinstance(force, ForceData):
                 continue
             self.lowered.forces[name] = len(documents)
-            entries = {entry.name: getattr(force, entry.name) for entry in dataclasses.fields(force)}
-            for key, value in entries.items():
-                if isinstance(value, (Point, WorldPoint)):
-                    entries[key] = self._point(value)
+            entries = self._plain(force.entries(), name)
+            if isinstance(force, Wind):
+                entries["cable"] = self.lowered.cables[force.body]
+                entries["diameters"] = (2.0 * self.lines[force.body].radius).tolist()
             documents.append({"kind": type(force).__name__.lower(), **entries})
         return documents
 
-    def _load(self, load: Any) -> Json:
-        def register(signal: Function | HeldInput) -> int:
+    def _plain(self, value: Any, name: str) -> Any:
+        """Lower the points and signals within an entry of a document."""
+        if isinstance(value, (Point, WorldPoint)):
+            return self._point(value)
+        if isinstance(value, Signal):
+            return self._signal(value, name)
+        if isinstance(value, dict):
+            return {key: self._plain(item, name) for key, item in value.items()}
+        if isinstance(value, tuple):
+            return [self._plain(item, name) for item in value]
+        return value
+
+    def _signal(self, signal: Signal, name: str) -> Json:
+        def register(one: Function | HeldInput) -> int:
             lowered = self.lowered
-            if isinstance(signal, HeldInput):
-                return lowered.held[signal.name][0]
+            if isinstance(one, HeldInput):
+                return lowered.held[one.name][0]
             last = lowered.inputs[-1] if lowered.inputs else None
             first = last.first + last.size if last else len(lowered.held_values)
-            lowered.inputs.append(Input(load.name, signal, first, signal.size))
+            lowered.inputs.append(Input(name, one, first, one.size))
             return first
 
-        value = load.value.document(register)
+        return signal.document(register)
+
+    def _load(self, load: Any) -> Json:
+        value = self._signal(load.value, load.name)
+        if isinstance(load, MovingForce):
+            return {
+                "kind": "moving",
+                "name": load.name,
+                "cable": self.lowered.cables[load.body],
+                "value": value,
+                "position": self._signal(load.position, load.name),
+            }
         if isinstance(load, LineLoad):
             return {
                 "kind": "line",

@@ -11,9 +11,9 @@ import numpy as np
 from pliant._lowered import BodyState, Lowered, initial_state
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
-from pliant.forces import ForceData
+from pliant.forces import ForceData, Wind
 from pliant.joints import Clamp, Pair, Pin, SlideCable
-from pliant.loads import Force, Moment
+from pliant.loads import Force, Moment, MovingForce
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.surfaces import SurfaceBody
@@ -143,6 +143,9 @@ class Sharing:
         on_path = {(name, node) for name in slid for node in range(self.lines[name].nodes)}
         inside += [m.at for m in self.masses.values() if m.at is not None and m.at.node is None]
         nodes: set[Node] = on_path
+        for load in self.model._loads.values():
+            if isinstance(load, (MovingForce, Wind)):
+                nodes |= {(load.body, k) for k in range(self.lines[load.body].nodes)}
         for point in inside:
             body = self.lines.get(point.body)
             if body is not None:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant.bodies import LineBody
-from pliant.forces import ForceData
+from pliant.forces import ForceData, Wind
 from pliant.joints import EdgeJoint, Pair, SlideCable
-from pliant.loads import Force, LineLoad, Pressure, SurfaceLoad
+from pliant.loads import Force, LineLoad, MovingForce, Pressure, SurfaceLoad
 from pliant.redundancy import redundancies
 from pliant.rigid import RigidBodyData
 from pliant.signals import Constant, Signal
@@ -93,6 +93,10 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
             continue
         if isinstance(load, LineLoad):
             rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))
+        elif isinstance(load, MovingForce):
+            rows.append((name, "moving force", f"{_value(load.value)} N on {load.body}"))
+        elif isinstance(load, Wind):
+            rows.append((name, "wind", f"{_value(load.velocity)} m/s on {load.body}"))
         elif isinstance(load, ForceData):
             numbers = (
                 f"{entry.name} {getattr(load, entry.name):g}"

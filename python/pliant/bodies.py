@@ -15,6 +15,7 @@ from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.sections import require_isotropic
+from pliant.signals import Signal
 from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray, IntArray
 
@@ -47,6 +48,8 @@ class LineBody:
         Positions [m], slopes by stress-free arc length and their velocities at the start.
     reference_r, reference_t : (n, 3) or None
         The stress-free line where it is curved in the plane of ``normal``.
+    rest_length : Signal or None
+        Stress-free length over time [m], where a winch changes it; it begins with the sum of ``lengths``.
     """
 
     name: str
@@ -73,6 +76,7 @@ class LineBody:
     normal: FloatArray | None = None
     reference_r: FloatArray | None = None
     reference_t: FloatArray | None = None
+    rest_length: Signal | None = None
 
     def __post_init__(self) -> None:
         for name in ("strands", "users"):
@@ -111,6 +115,9 @@ class LineBody:
         for name, words in CHOICES.items():
             _check.choice(getattr(self, name), name, words)
         _check.number(self.retardation_time, "retardation_time", at_least=0)
+        length = self.rest_length
+        if length is not None and (not isinstance(length, Signal) or length.size != 1):
+            _check.fail("rest_length", length, "must be a signal of one component")
 
     @property
     def elements(self) -> int:
@@ -319,6 +326,7 @@ def make_line_body(
     initial: Any,
     velocity: Any,
     angular_velocity: Any,
+    rest_length: Signal | None = None,
 ) -> LineBody:
     """Discretise: stress-free lengths from the rest length or pretension of each strand, then the start."""
     strain, integration, bending = (
@@ -379,6 +387,7 @@ def make_line_body(
         normal=line.normal,
         reference_r=None if line.normal is None else line.r / stretch[0],
         reference_t=None if line.normal is None else line.t,
+        rest_length=rest_length,
     )
     body = _with_initial(body, initial)
     return _with_velocity(body, velocity, angular_velocity)

@@ -201,12 +201,13 @@ def _line(result: Result, name: str, frames: IntArray, fine: int, given: FloatAr
         return out
 
     q, v = result._records.q[frames], result._records.v[frames]
+    outputs = result._records.outputs[frames]
     cable = result._lowered.cables[name]
-    strain, curvature = result._system.strain(cable, q)
+    strain, curvature = result._system.strain(cable, q, outputs)
     velocity = spread(v)
     values = {
         "strain": by_element(strain),
-        "axial_force": by_element(result._system.axial_force(cable, q)),
+        "axial_force": by_element(result._system.axial_force(cable, q, outputs)),
         "speed": np.linalg.norm(velocity, axis=2),
         "velocity": velocity,
         "curvature": by_element(curvature),

@@ -10,7 +10,17 @@ from pliant.points import Point
 from pliant.signals import Signal
 from pliant.surfaces import Edge, Faces
 
-__all__ = ["EdgeLoad", "EdgeMoment", "Force", "LineLoad", "LoadData", "Moment", "Pressure", "SurfaceLoad"]
+__all__ = [
+    "EdgeLoad",
+    "EdgeMoment",
+    "Force",
+    "LineLoad",
+    "LoadData",
+    "Moment",
+    "MovingForce",
+    "Pressure",
+    "SurfaceLoad",
+]
 
 
 @dataclass(frozen=True)
@@ -52,6 +62,22 @@ class LineLoad:
 
 
 @dataclass(frozen=True)
+class MovingForce:
+    """A force [N] at an arc length [m] of a cable's stress-free line."""
+
+    name: str
+    body: str
+    value: Signal
+    position: Signal
+
+    def __post_init__(self) -> None:
+        _check_load(self.name, self.value)
+        _check.text(self.body, "body")
+        if not isinstance(self.position, Signal) or self.position.size != 1:
+            _check.fail("position", self.position, "must be a signal of one component")
+
+
+@dataclass(frozen=True)
 class EdgeLoad:
     """A force per stress-free length on an edge of a surface [N/m]."""
 
@@ -88,7 +114,7 @@ class Pressure:
 
 
 SurfaceLoad = EdgeLoad | EdgeMoment | Pressure
-LoadData = Force | Moment | LineLoad | ForceData | SurfaceLoad
+LoadData = Force | Moment | LineLoad | MovingForce | ForceData | SurfaceLoad
 
 
 def _check_load(name: object, value: object, size: int = 3) -> None:

@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
+from pliant._actuation import Actuation
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
-from pliant._drives import Drives
 from pliant._sheets import Sheets
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
+from pliant.forces import FORCES
 from pliant.joints import JOINTS, Clamp, Pin
 from pliant.latches import Latch
-from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, Pressure
+from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, MovingForce, Pressure
 from pliant.materials import Material
 from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass
 from pliant.rigid import RigidBodyData
@@ -32,8 +33,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Model"]
 
+LOADS = (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, *FORCES)
 
-class Model(Sheets, Drives):
+
+class Model(Sheets, Actuation):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -64,7 +67,7 @@ class Model(Sheets, Drives):
         section: Any,
         material: Material,
         rest: str = "given",
-        rest_length: float | None = None,
+        rest_length: Any = None,
         pretension: float | None = None,
         closed: bool = False,
         tension_only: bool = False,
@@ -93,9 +96,11 @@ class Model(Sheets, Drives):
         rest : {"given", "straight"}
             ``"given"``: stress-free as given, straight or curved in a plane and then confined to it.
             ``"straight"``: free of axial strain as given, straight when unloaded; any line in space.
-        rest_length : float, optional
-            Stress-free length [m]; ``points`` are then the line at the start. The mass stays that of the line
-            as given by ``points``.
+        rest_length : float, callable, Table, product with a Ramp, or Input, optional
+            Stress-free length [m]; ``points`` are then the line at the start. The mass stays that of the
+            line as given by ``points``. Where it changes in time, a winch hauls in or pays out: the
+            stress-free length of the whole line scales (a curved one stays similar), and the work of the
+            winch enters the balance of energy. In statics it is evaluated at the load factor, not scaled.
         pretension : float, optional
             Axial force [N] at the start, 0 or more; instead of ``rest_length``. The mass stays likewise.
         closed : bool
@@ -139,10 +144,11 @@ class Model(Sheets, Drives):
         line = line_of(points, elements, closed, rest)
         if rest_length is not None and pretension is not None:
             _check.fail("pretension", pretension, "give rest_length or pretension, not both")
+        winch: Signal | None = None
         if callable(rest_length) or isinstance(rest_length, Signal):
-            _check.fail(
-                "rest_length", rest_length, "must be a constant number; one that changes in time is not there"
-            )
+            winch = as_signal(rest_length, "rest_length", 1)
+            rest_length = float(winch(0.0)[0])
+            winch = None if winch.constant else winch
         given = float(line.lengths.sum())
         lengths = None
         if rest_length is not None:
@@ -168,6 +174,7 @@ class Model(Sheets, Drives):
             initial=initial,
             velocity=velocity,
             angular_velocity=angular_velocity,
+            rest_length=winch,
         )
         self._require_in_plane(body, self._gravity, "gravity")
         self._bodies[body.name] = body
@@ -574,7 +581,11 @@ class Model(Sheets, Drives):
             lists: list[tuple[str, dict[str, Any], tuple[type, ...]]] = [
                 ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData, SurfaceBody)),
                 ("joints", model._joints, JOINTS),
-                ("loads", model._loads, (Force, Moment, LineLoad, EdgeLoad, EdgeMoment, Pressure)),
+                (
+                    "loads",
+                    model._loads,
+                    (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, *FORCES),
+                ),
             ]
             for key, items, kinds in lists:
                 for entry in document[key]:

@@ -22,6 +22,7 @@ __all__ = [
     "Statistics",
     "Strain",
     "SurfaceStrain",
+    "TendonForce",
     "Track",
 ]
 
@@ -96,6 +97,15 @@ class SpringForce:
     length: FloatArray
     rate: FloatArray
     force: FloatArray
+
+
+@dataclass(frozen=True)
+class TendonForce:
+    """A tendon: length [m], tension at the pulled end [N], each (n,), and of each span [N], (n, spans)."""
+
+    length: FloatArray
+    tension: FloatArray
+    tensions: FloatArray
 
 
 @dataclass(frozen=True)

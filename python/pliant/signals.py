@@ -447,12 +447,10 @@ def as_signal(value: Any, name: str, size: int | None = None) -> Signal:
         if first.shape != (wanted,) or first.dtype.kind not in "iuf" or not np.all(np.isfinite(first)):
             _check.fail(f"{name}(0.0)", first, f"the callable must return {wanted} finite numbers")
         signal = Function(value, wanted)
-    elif size == 1:
+    elif size == 1 or (size is None and np.ndim(value) == 0):
         signal = Constant((_check.number(value, name),))
     elif size is not None:
         signal = Constant(tuple(_check.array(value, name, (size,)).tolist()))
-    elif np.ndim(value) == 0:
-        signal = Constant((_check.number(value, name),))
     else:
         signal = Constant(tuple(_check.array(value, name, (None,)).tolist()))
     if size is not None and signal.size != size:

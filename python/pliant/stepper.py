@@ -31,8 +31,8 @@ from pliant.checkpoints import Checkpoint, read, write
 from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.latches import checked_gap
 from pliant.model import Model
-from pliant.points import Handle, Joint, Point, PointMass
-from pliant.readings import Energy, Reaction, Statistics, Strain, SurfaceStrain, Track
+from pliant.points import Handle, Joint, Load, Point, PointMass
+from pliant.readings import Energy, Reaction, Statistics, Strain, SurfaceStrain, TendonForce, Track
 from pliant.records import Records, State
 from pliant.result import Result
 from pliant.signals import Function
@@ -357,6 +357,10 @@ class Stepper:
         """Force and moment that a joint exerts on its first body, each (3,)."""
         return _only(self._now.reaction(joint))
 
+    def tendon(self, tendon: Load) -> TendonForce:
+        """Length and tension of a tendon, and the tensions of its spans (spans,)."""
+        return _only(self._now.tendon(tendon))
+
     def axial_force(self, body: Handle | str) -> FloatArray:
         """Axial force [N] at mid-element, (elements,); of a net the mean in each cable, (cables,)."""
         return _only(self._now.axial_force(body))
@@ -599,7 +603,7 @@ def _require_same(model: Model, saved: Model) -> None:
 def _give_functions(lowered: Lowered, model: Model) -> None:
     """Put the callables of a model where they are missing, in the order of their numbers."""
     found: dict[str, list[Function]] = {}
-    for item in [*model._joints.values(), *model._loads.values()]:
+    for item in [*model._bodies.values(), *model._joints.values(), *model._loads.values()]:
         found[item.name] = [one for signal in signals_of(item) for one in signal.functions()]
     for entry in lowered.inputs:
         entry.function = found[entry.load].pop(0)

@@ -15,6 +15,7 @@ SMALL = {
     "falling_rope": {"elements": 12, "step": 2e-3},
     "rolled_cantilever": {"elements": (8, 16)},
     "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
+    "tensegrity": {"duration": 0.5, "step": 2e-3},
 }
 
 
@@ -127,3 +128,18 @@ def test_the_strut_buckles_at_eulers_load_into_the_elastica(examples, record):
     # A push to the side bends the path before the load is reached.
     pushed = buckling.tips[0][:, 1]
     assert np.interp(0.9, buckling.loads[0], pushed) > 0.02
+
+
+def test_the_tensegrity_finds_the_only_form_that_it_can_have(examples, record):
+    _, found = examples["tensegrity"]
+    # Newton's tolerance.
+    assert record("example tensegrity, twist", found.twist, 5 * np.pi / 6, 1e-6, "rad", source="closed form")
+    # Bending stiffness of the cords.
+    assert record(
+        "example tensegrity, force densities", found.ratio, found.expected, 1e-4, source="closed form"
+    )
+    # The cords sway as strings, which rods on springs do not: less the lower the frequency.
+    assert np.allclose(found.frequencies[:3], found.rods[:3], rtol=5e-3)
+    # The lines that catch it get taut with a kink.
+    assert found.order > 1.5
+    assert found.gaps[-1] < 1e-3

@@ -97,6 +97,11 @@ def pinned(s: SimpleNamespace) -> pl.Joint:
     return joint
 
 
+def tendon(s: SimpleNamespace, points: Any = None, tension: Any = 1.0, **changes: Any) -> Any:
+    points = [(0, 0, 1), s.rope.end] if points is None else points
+    return s.m.add_tendon(points, tension, **changes)
+
+
 def one_ball() -> pl.Model:
     model = pl.Model()
     model.add_point_mass(1.0, at=(0, 0, 0), name="other ball")
@@ -214,7 +219,9 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("material", "'steel'", lambda s: cable(s, material="steel")),
     ("rest", "'bent'", lambda s: cable(s, rest="bent")),
     ("rest_length", "0", lambda s: cable(s, rest_length=0)),
-    ("rest_length", "function", lambda s: cable(s, rest_length=lambda t: 1 - t)),
+    ("rest_length(0.0)", "[1, 2]", lambda s: cable(s, rest_length=lambda t: (1, 2))),
+    ("rest_length", "0", lambda s: cable(s, rest_length=lambda t: 0.0)),
+    ("rest_length", "-1", lambda s: cable(s, rest_length=pl.Input("winch", initial=-1.0))),
     ("pretension", "-5", lambda s: cable(s, pretension=-5)),
     ("pretension", "5", lambda s: cable(s, pretension=5, rest_length=1)),
     ("closed", "1", lambda s: cable(s, TRIANGLE, closed=1)),
@@ -286,6 +293,36 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("cable", "PointMass", lambda s: s.m.add_line_load(s.ball, (0, 0, 1))),
     ("cable", "'rope'", lambda s: s.m.add_line_load("rope", (0, 0, 1))),
     ("force_per_length", "None", lambda s: s.m.add_line_load(s.rope, None)),
+    # tendons, moving forces, wind
+    ("points", "Point", lambda s: tendon(s, s.rope.end)),
+    ("points", "[(0, 0, 1)]", lambda s: tendon(s, [(0, 0, 1)])),
+    ("points", "point of a body", lambda s: tendon(s, [(0, 0, 1), (0, 0, 2)])),
+    ("points[1]", "'end'", lambda s: tendon(s, [s.rope.end, "end"])),
+    ("points[1]", "point before", lambda s: tendon(s, [s.rope.end, s.rope.end])),
+    ("points[0]", "another model", lambda s: tendon(s, [s.stranger.end, (0, 0, 2)])),
+    ("length", "one of them", lambda s: tendon(s, tension=None)),
+    ("length", "one of them", lambda s: tendon(s, length=1.0, stiffness=1.0)),
+    ("tension", "-2", lambda s: tendon(s, tension=-2.0)),
+    ("tension", "(1, 2)", lambda s: tendon(s, tension=(1, 2))),
+    ("stiffness", "goes with length", lambda s: tendon(s, stiffness=5.0)),
+    ("stiffness", "None", lambda s: tendon(s, tension=None, length=1.0)),
+    ("length", "0", lambda s: tendon(s, tension=None, length=lambda t: 0.0, stiffness=1.0)),
+    ("damping", "goes with length", lambda s: tendon(s, damping=1.0)),
+    ("damping", "-1", lambda s: tendon(s, damping=-1.0)),
+    ("friction", "nan", lambda s: tendon(s, friction=NAN)),
+    ("slip_velocity", "0", lambda s: tendon(s, slip_velocity=0)),
+    ("cable", "CableNet", lambda s: s.m.add_moving_force(s.net, (0, 0, 1), 0.5)),
+    ("cable", "PointMass", lambda s: s.m.add_moving_force(s.ball, (0, 0, 1), 0.5)),
+    ("force", "5", lambda s: s.m.add_moving_force(s.rope, 5, 0.5)),
+    ("position", "(0, 1)", lambda s: s.m.add_moving_force(s.rope, (0, 0, 1), (0, 1))),
+    ("position(0.0)", "[0, 1]", lambda s: s.m.add_moving_force(s.rope, (0, 0, 1), lambda t: (0, 1))),
+    ("body", "so far", lambda s: s.m.add_wind(s.brick, (1, 0, 0), 1.2, 1.0)),
+    ("body", "'rope'", lambda s: s.m.add_wind("rope", (1, 0, 0), 1.2, 1.0)),
+    ("velocity", "5", lambda s: s.m.add_wind(s.rope, 5, 1.2, 1.0)),
+    ("density", "0", lambda s: s.m.add_wind(s.rope, (1, 0, 0), 0, 1.0)),
+    ("drag", "-1", lambda s: s.m.add_wind(s.rope, (1, 0, 0), 1.2, -1)),
+    ("lift", "'up'", lambda s: s.m.add_wind(s.rope, (1, 0, 0), 1.2, 1.0, lift="up")),
+    ("lift(-3.14159)", "nan", lambda s: s.m.add_wind(s.rope, (1, 0, 0), 1.2, 1.0, lift=lambda a: NAN)),
     # runs
     ("model", "3", lambda s: pl.simulate(3, duration=1.0, step=0.1)),
     ("model", "no bodies", lambda s: pl.simulate(pl.Model(), duration=1.0, step=0.1)),

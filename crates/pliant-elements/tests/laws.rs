@@ -3,7 +3,8 @@
 mod common;
 
 use common::{
-    Random, example, hauled, laws, local_velocities, perturbed, reference, rotate_all, symmetric_full,
+    Random, example, hauled, laws, local_velocities, perturbed, reference, rotate_all,
+    symmetric_full,
 };
 use pliant_elements::{
     Bending, Block, CableLaw, Integration, Motion, Reference, Strain, Weights, elements::KINDS,

@@ -10,6 +10,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use pliant_dae::generalized_alpha::Options;
 use pliant_multibody::model::Model;
 use pliant_multibody::run::{Leg, Run, RunOptions, Start};
+use pliant_multibody::winch::Wound;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -34,7 +35,7 @@ fn pendulum(criterion: &mut Criterion) {
         let steps = (ELEMENT_STEPS / elements as u64).clamp(100, 1000);
         let energy = |run: &Run| {
             let state = run.state();
-            model.energy(&state.q, &state.v).iter().sum::<f64>()
+            model.energy(&Wound::new(&model), &state.q, &state.v).iter().sum::<f64>()
         };
         let mut run = start(&model, true);
         let before = energy(&run);

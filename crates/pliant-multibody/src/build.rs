@@ -4,7 +4,7 @@ mod cables;
 mod surfaces;
 
 use crate::document::{Arrays, row};
-use crate::dof_map::DofMap;
+use crate::dof_map::{CableMap, DofMap};
 use crate::error::ModelError;
 use crate::forces;
 use crate::joints::Draft;
@@ -16,6 +16,7 @@ use crate::loads::edge_moment::{EdgeMoment, EdgePoint};
 use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
 use crate::loads::line::LineLoad;
 use crate::loads::moment::{BodyMoment, Moment};
+use crate::loads::moving::MovingForce;
 use crate::loads::pressure::{Face, Pressure};
 use crate::model::{
     Blocks, FacePlace, LatchState, Mass, Model, Placed, PlacedForce, PlacedJoint, PlacedLoad,
@@ -23,8 +24,9 @@ use crate::model::{
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
-use crate::spec::{Array, ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
+use crate::spec::{Array, CableSpec, ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
+use crate::winch::Winch;
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
 use pliant_dae::structure::{Storage, Structure};
@@ -98,6 +100,13 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let (latches, schedule) = latches(spec)?;
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
     let forces = builder.forces(&spec.forces)?;
+    let mut winches = Vec::new();
+    for ((cable, cable_map), strands) in spec.cables.iter().zip(&map.cables).zip(&strands) {
+        winches.extend(Winch::of_cable(cable, &cable_map.lengths, strands)?);
+    }
+    let has_transit = forces.iter().any(|f| f.force.has_transit());
+    let damped = |cable: &CableSpec| cable.rest_length.is_some() && cable.retardation_time != 0.0;
+    let uses_rates = has_transit || spec.cables.iter().any(damped);
     Ok(Model {
         map,
         axial_energy: axial_energy + stiffness_scale(&surfaces),
@@ -113,6 +122,9 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         schedule,
         length,
         loads,
+        winches,
+        uses_rates,
+        has_transit,
         forces,
         gravity: spec.gravity,
         structure,
@@ -375,15 +387,16 @@ impl Builder<'_> {
     fn forces(&mut self, specs: &[ForceSpec]) -> Result<Vec<PlacedForce>, ModelError> {
         let mut first_output = 0;
         let mut placed = Vec::with_capacity(specs.len());
-        for spec in specs {
+        for (number, spec) in specs.iter().enumerate() {
             let support = |points: &[&Interpolation]| self.support(points.iter().copied());
             let context = forces::Context { map: self.map, support: &support };
-            let force = forces::of_spec(spec, &context)?;
-            let groups = &force.support().groups;
-            let element = self.structure.add_element(groups, force.storage());
-            let outputs = force.output_count();
-            placed.push(PlacedForce { force, element, first_output });
-            first_output += outputs;
+            for force in forces::of_spec(spec, &context)? {
+                let groups = &force.support().groups;
+                let element = self.structure.add_element(groups, force.storage());
+                let outputs = force.output_count();
+                placed.push(PlacedForce { number, force, element, first_output });
+                first_output += outputs;
+            }
         }
         Ok(placed)
     }
@@ -453,6 +466,12 @@ impl Builder<'_> {
                 let supports = points.iter().map(support).collect();
                 (Box::new(EdgeMoment::new(points, supports)), Value::new(value, &place)?)
             }
+            LoadSpec::Moving { name, cable, value, position } => {
+                let place = format!("load '{name}'");
+                let position = Value::new(position, &place)?;
+                let load = self.moving_force(*cable, position, &place)?;
+                (Box::new(load), Value::new(value, &place)?)
+            }
             LoadSpec::Line { name, cable, value } => {
                 let place = format!("load '{name}'");
                 (Box::new(self.line_load(*cable, &place)?), Value::new(value, &place)?)
@@ -495,14 +514,33 @@ impl Builder<'_> {
         Ok(Pressure::new(parts, conservative))
     }
 
-    fn line_load(&self, cable: usize, place: &str) -> Result<LineLoad, ModelError> {
+    fn cable(&self, cable: usize, place: &str) -> Result<&CableMap, ModelError> {
         let count = self.map.cables.len();
-        let map = self.map.cables.get(cable).ok_or_else(|| ModelError::Reference {
+        self.map.cables.get(cable).ok_or_else(|| ModelError::Reference {
             place: place.to_owned(),
             kind: "cable",
             index: cable,
             count,
-        })?;
+        })
+    }
+
+    fn moving_force(
+        &self,
+        cable: usize,
+        position: Value,
+        place: &str,
+    ) -> Result<MovingForce, ModelError> {
+        let map = self.cable(cable, place)?;
+        let nodes = |e: usize| {
+            let (a, b) = (map.nodes[map.first_node(e)], map.nodes[map.first_node(e) + 1]);
+            [a.r, a.t, b.r, b.t].map(|o| o as usize)
+        };
+        let nodes = (0..map.elements()).map(nodes).collect();
+        Ok(MovingForce::new(position, &map.lengths, nodes))
+    }
+
+    fn line_load(&self, cable: usize, place: &str) -> Result<LineLoad, ModelError> {
+        let map = self.cable(cable, place)?;
         let mut weights = vec![[0.0; 2]; map.nodes.len()];
         for (e, &l) in map.lengths.iter().enumerate() {
             let i = map.first_node(e);

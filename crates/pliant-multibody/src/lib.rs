@@ -22,3 +22,4 @@ pub mod surface_map;
 pub mod system;
 pub mod teaching;
 mod vector;
+pub mod winch;

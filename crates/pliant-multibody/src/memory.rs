@@ -2,6 +2,7 @@
 
 use crate::latches::Switch;
 use crate::model::Model;
+use crate::winch::Pace;
 use pliant_dae::error::Error;
 use pliant_dae::problem::Point;
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,15 @@ pub struct Memory {
     pub(crate) damping: Vec<f64>,
     /// Stored energy there of forces that store more or less as time goes by.
     pub(crate) potential: f64,
+    /// Factor of the length of each winch there, and the forces on it, elastic and of damping [J].
+    pub(crate) winches: Vec<[f64; 3]>,
+    /// Power there that passes forces from outside into loss [W]; none: it and the forces on winches are to be found
+    /// anew, for velocities have jumped.
+    pub(crate) transit: Option<f64>,
+    /// Inputs at the last points, where their rates are asked for.
+    pub(crate) pace: Pace,
+    /// The same when the tangent was last asked for.
+    pace_at_tangent: Pace,
 }
 
 impl Memory {
@@ -52,6 +62,7 @@ impl Memory {
             ("inputs of the tangent", inputs, self.held_at_tangent.len()),
             ("loads", full(&self.loads), self.loads.len()),
             ("damping", full(&self.damping), self.damping.len()),
+            ("winches", model.winches.len(), self.winches.len()),
         ] {
             if expected != got {
                 return Err(Error::Length { what, expected, got });
@@ -81,11 +92,13 @@ impl Memory {
     /// Notes what the tangent is made with.
     pub(crate) fn note_tangent(&mut self) {
         self.held_at_tangent.clone_from(&self.held);
+        self.pace_at_tangent.clone_from(&self.pace);
     }
 
     /// The same with the inputs of the time when the kept factorisation was made.
     pub(crate) fn at_tangent(&self) -> Self {
-        Self { held: self.held_at_tangent.clone(), ..self.clone() }
+        let (held, pace) = (self.held_at_tangent.clone(), self.pace_at_tangent.clone());
+        Self { held, pace, ..self.clone() }
     }
 }
 

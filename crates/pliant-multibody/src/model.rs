@@ -10,6 +10,7 @@ use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{JointSpec, ModelSpec};
+use crate::winch::Winch;
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::{self, LinearSolver};
 use pliant_dae::structure::{self, Storage, Structure};
@@ -114,8 +115,10 @@ pub(crate) struct PlacedLoad {
     pub elements: Vec<usize>,
 }
 
-/// A force, its element matrix and its first number among the outputs.
+/// A force or a piece of one, its element matrix and its first number among the outputs.
 pub(crate) struct PlacedForce {
+    /// Number of the force in the document.
+    pub number: usize,
     pub force: Box<dyn ForceElement>,
     pub element: usize,
     pub first_output: usize,
@@ -145,6 +148,11 @@ pub struct Model {
     /// Size of the model [m].
     pub(crate) length: f64,
     pub(crate) loads: Vec<PlacedLoad>,
+    pub(crate) winches: Vec<Winch>,
+    /// Whether rates of signals are asked for, which takes a memory of their values.
+    pub(crate) uses_rates: bool,
+    /// Whether power passes forces from outside into loss.
+    pub(crate) has_transit: bool,
     pub(crate) forces: Vec<PlacedForce>,
     pub(crate) gravity: [f64; 3],
     pub(crate) structure: Structure,
@@ -228,7 +236,13 @@ impl Model {
     /// First number and number of numbers among the outputs of each force.
     #[must_use]
     pub fn force_outputs(&self) -> Vec<[usize; 2]> {
-        self.forces.iter().map(|f| [f.first_output, f.force.output_count()]).collect()
+        let mut places: Vec<[usize; 2]> = Vec::new();
+        for f in &self.forces {
+            if f.number == places.len() {
+                places.push([f.first_output, f.force.output_count()]);
+            }
+        }
+        places
     }
 
     /// The joint that a multiplier belongs to.

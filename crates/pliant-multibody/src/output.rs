@@ -4,15 +4,16 @@ use crate::joints::Joint;
 use crate::latches::Switch;
 use crate::model::{FacePlace, Model};
 use crate::vector::vector;
+use crate::winch::Wound;
 use pliant_elements::materials::Regime;
 use pliant_elements::{CableBlock, Motion, Strain};
 
 impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
     #[must_use]
-    pub fn energy(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
+    pub fn energy(&self, wound: &Wound, q: &[f64], v: &[f64]) -> [f64; 3] {
         let mut energy = [0.0; 3];
-        for (block, _) in self.blocks.iter() {
+        for (block, _) in self.blocks.iter_as(wound) {
             energy[0] += block.kinetic_energy(v);
             energy[1] += block.elastic_energy(q);
             energy[2] += block.gravitational_energy(q, self.gravity);
@@ -76,18 +77,22 @@ impl Model {
     }
 
     /// Block and number in it of each element of a cable.
-    fn elements_of(&self, cable: usize) -> impl Iterator<Item = (&CableBlock, usize)> {
+    fn elements_of<'a>(
+        &'a self,
+        cable: usize,
+        wound: &'a Wound,
+    ) -> impl Iterator<Item = (&'a CableBlock, usize)> {
         let map = &self.map.cables[cable];
         self.strands[cable].iter().zip(&map.strands).flat_map(|(place, range)| {
-            let block: &CableBlock = &self.blocks.cables[place.block].block;
+            let block = self.blocks.cable(place.block, wound);
             (0..range.len()).map(move |i| (block, place.element + i))
         })
     }
 
     /// Appends the axial force at the middle of each element [N]: the elastic force along the tangent, per
     /// Green-Lagrange strain times the stretch.
-    pub fn axial_force(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
-        out.extend(self.elements_of(cable).map(|(block, e)| {
+    pub fn axial_force(&self, cable: usize, wound: &Wound, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable, wound).map(|(block, e)| {
             let conjugate = block.axial_force(e, q);
             match block.law().strain {
                 Strain::Biot => conjugate,
@@ -99,13 +104,13 @@ impl Model {
     }
 
     /// Appends the axial strain at the middle of each element.
-    pub fn axial_strain(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
-        out.extend(self.elements_of(cable).map(|(block, e)| block.axial_strain(e, q)));
+    pub fn axial_strain(&self, cable: usize, wound: &Wound, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable, wound).map(|(block, e)| block.axial_strain(e, q)));
     }
 
     /// Appends the material curvature vector at the middle of each element [1/m].
-    pub fn curvature(&self, cable: usize, q: &[f64], out: &mut Vec<f64>) {
-        out.extend(self.elements_of(cable).flat_map(|(block, e)| block.curvature(e, q)));
+    pub fn curvature(&self, cable: usize, wound: &Wound, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable, wound).flat_map(|(block, e)| block.curvature(e, q)));
     }
 
     /// Appends membrane strain (E11, E22, E12), change of curvature (k11, k22, k12) [1/m] and regime (0 taut, 1
@@ -185,9 +190,8 @@ impl Model {
         &self,
         cable: usize,
         node: usize,
-        q: &[f64],
-        v: &[f64],
-        a: &[f64],
+        wound: &Wound,
+        [q, v, a]: [&[f64]; 3],
     ) -> [f64; 3] {
         let map = &self.map.cables[cable];
         let motion = Motion { q, v, a };
@@ -198,7 +202,7 @@ impl Model {
                 continue;
             }
             let local = node - nodes.start;
-            let block = &self.blocks.cables[place.block].block;
+            let block = self.blocks.cable(place.block, wound);
             let after = (node + 1 < nodes.end).then_some((local, 0));
             let before = local.checked_sub(1).map(|e| (e, 6));
             for (e, first) in [before, after].into_iter().flatten() {

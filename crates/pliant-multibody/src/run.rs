@@ -207,7 +207,8 @@ impl Run {
         }
         let (mut integrator, start) =
             on(pool.as_ref(), || Integrator::new(system, solver, options.integrator, 0.0, &q, &v))?;
-        integrator.problem_mut().note_loads(0.0, &q);
+        let v = integrator.state().v.clone();
+        integrator.problem_mut().note_loads(0.0, &q, &v);
         let mut balance = Balance::default();
         let energy = integrator.problem().energy(0.0, &q, &integrator.state().v);
         balance.begin(energy);

@@ -12,6 +12,19 @@ pub struct Moment<'a> {
     pub constants: f64,
     /// What the caller's functions of time returned.
     pub inputs: &'a [f64],
+    /// Rates of these; none where time stands still, as in statics.
+    pub rates: Option<&'a [f64]>,
+}
+
+impl Moment<'_> {
+    /// Rate of the first component of a value that is no load: constants are constant.
+    #[must_use]
+    pub fn rate(&self, value: &Value) -> f64 {
+        match self.rates {
+            Some(rates) => value.rate(Moment { constants: 1.0, ..*self }, rates)[0],
+            None => 0.0,
+        }
+    }
 }
 
 /// A signal checked and made ready: three components, or one for all.
@@ -110,6 +123,38 @@ impl Value {
         }
     }
 
+    /// Its rate, with those of the inputs.
+    fn rate(&self, now: Moment<'_>, rates: &[f64]) -> [f64; 3] {
+        match self {
+            Self::Constant(_) => [0.0; 3],
+            Self::Input { first, scalar } => {
+                let get = |k: usize| rates.get(first + k).copied().unwrap_or(0.0);
+                if *scalar { [get(0); 3] } else { [get(0), get(1), get(2)] }
+            }
+            Self::Table(table) => table.with_slope(now.t).1,
+            Self::Ramp(duration) => {
+                let s = (now.t / duration).clamp(0.0, 1.0);
+                [30.0 * s * s * (1.0 - s) * (1.0 - s) / duration; 3]
+            }
+            Self::Sum(terms) => terms.iter().fold([0.0; 3], |sum, x| {
+                let x = x.rate(now, rates);
+                [sum[0] + x[0], sum[1] + x[1], sum[2] + x[2]]
+            }),
+            Self::Product(factors) => {
+                let values: Vec<_> = factors.iter().map(|x| x.at(now)).collect();
+                let mut sum = [0.0; 3];
+                for (i, factor) in factors.iter().enumerate() {
+                    let rate = factor.rate(now, rates);
+                    for k in 0..3 {
+                        let others = values.iter().enumerate().filter(|(j, _)| *j != i);
+                        sum[k] += rate[k] * others.map(|(_, x)| x[k]).product::<f64>();
+                    }
+                }
+                sum
+            }
+        }
+    }
+
     fn is_constant(&self) -> bool {
         match self {
             Self::Constant(_) => true,
@@ -135,7 +180,7 @@ pub struct Table {
 }
 
 impl Table {
-    fn new(
+    pub(crate) fn new(
         times: &[f64],
         values: &[f64],
         period: Option<f64>,
@@ -203,7 +248,13 @@ impl Table {
     }
 
     fn at(&self, t: f64) -> [f64; 3] {
+        self.with_slope(t).0
+    }
+
+    /// Value and slope, which is zero outside a table without period.
+    pub(crate) fn with_slope(&self, t: f64) -> ([f64; 3], [f64; 3]) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let inside = self.period.is_some() || (first..=last).contains(&t);
         let t = match self.period {
             Some(p) => first + (t - first).rem_euclid(p),
             None => t.clamp(first, last),
@@ -212,16 +263,17 @@ impl Table {
         let h = self.times[i + 1] - self.times[i];
         let b = ((t - self.times[i]) / h).min(1.0);
         let a = 1.0 - b;
-        let mut out = [0.0; 3];
+        let (mut out, mut slope) = ([0.0; 3], [0.0; 3]);
         for k in 0..3 {
             out[k] = a * self.values[i][k] + b * self.values[i + 1][k];
+            slope[k] = (self.values[i + 1][k] - self.values[i][k]) / h;
             if let [.., _] = self.second[..] {
-                out[k] += ((a * a * a - a) * self.second[i][k]
-                    + (b * b * b - b) * self.second[i + 1][k])
-                    * (h * h / 6.0);
+                let (left, right) = (self.second[i][k], self.second[i + 1][k]);
+                out[k] += ((a * a * a - a) * left + (b * b * b - b) * right) * (h * h / 6.0);
+                slope[k] += ((1.0 - 3.0 * a * a) * left + (3.0 * b * b - 1.0) * right) * (h / 6.0);
             }
         }
-        out
+        (out, if inside { slope } else { [0.0; 3] })
     }
 }
 
@@ -285,7 +337,40 @@ mod tests {
     use super::*;
 
     fn at(signal: &Signal, t: f64) -> f64 {
-        Value::new(signal, "test").unwrap().at(Moment { t, constants: 1.0, inputs: &[] })[0]
+        Value::new(signal, "test").unwrap().at(moment(t, 1.0))[0]
+    }
+
+    fn moment(t: f64, constants: f64) -> Moment<'static> {
+        Moment { t, constants, inputs: &[], rates: Some(&[]) }
+    }
+
+    #[test]
+    fn rates_are_slopes() {
+        let times: Vec<f64> = (0..=6).map(|i| 0.5 * f64::from(i)).collect();
+        let table = |smooth| Signal::Table {
+            values: times.iter().map(|t| (1.3 * t).sin()).collect(),
+            times: times.clone(),
+            period: None,
+            smooth,
+        };
+        let ramp = || Signal::Ramp { duration: 2.0 };
+        let constant = Signal::Constant(vec![3.0]);
+        for signal in [
+            table(true),
+            table(false),
+            ramp(),
+            Signal::Sum(vec![
+                constant.clone(),
+                Signal::Product(vec![constant, table(true), ramp()]),
+            ]),
+        ] {
+            let value = Value::new(&signal, "test").unwrap();
+            for t in [0.1, 0.7, 1.6, 2.9, 3.5] {
+                let slope = (at(&signal, t + 1e-6) - at(&signal, t - 1e-6)) / 2e-6;
+                // Central differences of numbers of order one: rounding over the step.
+                assert!((moment(t, 1.0).rate(&value) - slope).abs() < 1e-8, "{signal:?}, {t}");
+            }
+        }
     }
 
     #[test]
@@ -342,7 +427,7 @@ mod tests {
         let signal =
             Signal::Product(vec![Signal::Constant(vec![5.0]), Signal::Ramp { duration: 1.0 }]);
         let value = Value::new(&signal, "test").unwrap();
-        assert_eq!(value.at(Moment { t: 0.5, constants: 0.5, inputs: &[] })[0], 2.5);
+        assert_eq!(value.at(moment(0.5, 0.5))[0], 2.5);
         assert_eq!(at(&signal, 2.0), 5.0);
     }
 

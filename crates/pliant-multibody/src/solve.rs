@@ -87,6 +87,7 @@ fn follow(
         lambda_: lambda_.map_or_else(|| vec![0.0; model.multipliers()], <[f64]>::to_vec),
         ..State::default()
     };
+    system.note_loads(0.0, &state.q, &state.v);
     let chosen = options.chosen.clone();
     system.set_growth(Growth { chosen: chosen.clone(), fading: Vec::new() });
     if options.fade {

@@ -109,6 +109,9 @@ pub struct CableSpec {
     pub bending: BendingSpec,
     /// Stress-free line curved in a plane; none: straight elements.
     pub reference: Option<ReferenceSpec>,
+    /// Stress-free length of the whole cable over time [m], which begins with the sum of `lengths`.
+    #[serde(default)]
+    pub rest_length: Option<Signal>,
     /// No compression.
     pub tension_only: bool,
     /// Kelvin-Voigt retardation time [s].
@@ -559,6 +562,17 @@ pub enum LoadSpec {
         /// One component, about the direction in which the side runs.
         value: Signal,
     },
+    /// A force that moves along a cable [N].
+    Moving {
+        /// Name.
+        name: String,
+        /// Number of the cable.
+        cable: usize,
+        /// Three components.
+        value: Signal,
+        /// Arc length of the stress-free line, one component [m].
+        position: Signal,
+    },
     /// A force per stress-free length on all of a cable [N/m].
     Line {
         /// Name.
@@ -588,6 +602,73 @@ pub enum ForceSpec {
         damping: f64,
         /// Stress-free length [m].
         length: f64,
+    },
+    /// A line without mass through points, pulled at the first and fastened at the last.
+    Tendon {
+        /// Name.
+        name: String,
+        /// Two points or more.
+        points: Vec<PointSpec>,
+        /// What pulls.
+        pull: PullSpec,
+        /// Coefficient of friction at the points between the ends.
+        friction: f64,
+        /// Velocity by which friction is smoothed [m/s].
+        slip_velocity: f64,
+    },
+    /// Flow across all elements of a cable.
+    Wind {
+        /// Name.
+        name: String,
+        /// Number of the cable.
+        cable: usize,
+        /// Velocity of the wind, three components [m/s].
+        velocity: Signal,
+        /// Its direction at the start, from which angles of attack count.
+        direction: [f64; 3],
+        /// Density of the air [kg/m^3].
+        density: f64,
+        /// Drag coefficient.
+        drag: f64,
+        /// Lift coefficient.
+        lift: LiftSpec,
+        /// Diameter of each element [m].
+        diameters: Vec<f64>,
+    },
+}
+
+/// What pulls a tendon.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum PullSpec {
+    /// A force; below zero it is none.
+    Force {
+        /// One component [N].
+        tension: Signal,
+    },
+    /// A motor that leaves a stress-free length.
+    Motor {
+        /// One component [m].
+        length: Signal,
+        /// Stiffness EA [N].
+        stiffness: f64,
+        /// Damping [N s/m].
+        damping: f64,
+    },
+}
+
+/// A lift coefficient.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LiftSpec {
+    /// The same at all angles.
+    Constant(f64),
+    /// By the angle of attack, over a turn.
+    Angle {
+        /// Angles, ascending [rad].
+        angles: Vec<f64>,
+        /// Coefficients there.
+        coefficients: Vec<f64>,
     },
 }
 

@@ -2,6 +2,7 @@
 
 mod forces;
 mod growth;
+mod lengths;
 mod window;
 
 use crate::error::ModelError;
@@ -11,6 +12,7 @@ use crate::latches::{CLOSE, Joints, Scheduled, Switch};
 use crate::memory::{Memory, work};
 use crate::model::{Model, PlacedForce};
 use crate::signal::Moment;
+use crate::winch::Wound;
 use forces::{Room, gather};
 pub use growth::{Chosen, Growth};
 use pliant_dae::error::Error;
@@ -59,6 +61,9 @@ pub struct System {
     scratch: Scratch,
     room: Room,
     joints: Joints,
+    wound: Wound,
+    /// Rates of the inputs.
+    rates: Vec<f64>,
     /// Generalized forces at the next accepted point.
     forces: Vec<f64>,
 }
@@ -70,6 +75,7 @@ impl System {
     pub fn new(model: Arc<Model>, mode: Mode, inputs: Option<Inputs>, parallel: bool) -> Self {
         let workspaces = model.blocks.iter().map(|_| Workspace::default()).collect();
         let joints = Joints::new(&model, &[], &[]);
+        let wound = Wound::new(&model);
         Self {
             model,
             joints,
@@ -83,6 +89,8 @@ impl System {
             input_values: Vec::new(),
             scratch: Scratch::default(),
             room: Room::default(),
+            wound,
+            rates: Vec::new(),
             forces: Vec::new(),
         }
     }
@@ -132,6 +140,7 @@ impl System {
         self.joints = Joints::new(&self.model, &self.memory.history, &[]);
         // Dissipation begins anew: velocities jump.
         self.memory.damping.clear();
+        self.memory.transit = None;
         Ok(true)
     }
 
@@ -153,7 +162,7 @@ impl System {
     /// rest of the change is the work of joints that move by themselves.
     pub fn note_impact(&mut self, q: &[f64], before: &[f64], after: &[f64]) {
         let dv: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
-        let kinetic = |v: &[f64]| self.model.energy(q, v)[0];
+        let kinetic = |v: &[f64]| self.model.energy(&self.wound, q, v)[0];
         let lost = kinetic(&dv);
         let gained = kinetic(after) - kinetic(before);
         self.memory.audit.dissipated += lost;
@@ -246,7 +255,8 @@ impl System {
             Mode::Dynamic => 1.0,
             Mode::Static => t,
         };
-        Moment { t, constants, inputs: &self.input_values }
+        let rates = (self.mode == Mode::Dynamic).then_some(&self.rates[..]);
+        Moment { t, constants, inputs: &self.input_values, rates }
     }
 
     /// The moment that the constants of a load see.
@@ -279,16 +289,17 @@ impl System {
     }
 
     /// Begins to gather work: notes the loads at the start.
-    pub fn note_loads(&mut self, t: f64, q: &[f64]) {
+    pub fn note_loads(&mut self, t: f64, q: &[f64], v: &[f64]) {
+        let rest = vec![0.0; q.len()];
+        self.note_given(Point { t, q, v, a: &rest, lambda_: &[] });
         if !self.model.has_work() {
             return;
         }
         let mut force = vec![0.0; q.len()];
-        let rest = vec![0.0; q.len()];
         // Functions of time that fail here fail in the step itself.
-        if self.refresh_inputs(t).is_ok() {
-            self.working_forces((t, q, &rest), &mut force);
-            self.memory.potential = self.changing_energy(t, q, &rest);
+        if self.refresh(t).is_ok() {
+            self.working_forces((t, q, v), &mut force);
+            self.memory.potential = self.changing_energy(t, q, v);
         }
         self.memory.loads = force;
     }
@@ -307,7 +318,7 @@ impl System {
     /// Kinetic, elastic and gravitational energy at a state [J].
     #[must_use]
     pub fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
-        let mut energy = self.model.energy(q, v);
+        let mut energy = self.model.energy(&self.wound, q, v);
         energy[1] += self.model.stored_energy(self.moment(t), q, v);
         energy
     }
@@ -315,17 +326,19 @@ impl System {
     /// Appends what the forces show at a state.
     pub fn outputs(&self, t: f64, q: &[f64], v: &[f64], out: &mut Vec<f64>) {
         self.model.outputs(self.moment(t), q, v, out);
+        out.extend(self.wound.lengths.iter().flatten());
     }
 
     /// Makes sure that the inputs are those of a time, before energy and outputs are read there.
     pub fn look_at(&mut self, t: f64) {
         // Functions of time that fail here have failed in the step itself.
-        let _ = self.refresh_inputs(t);
+        let _ = self.refresh(t);
     }
 
     fn load_forces(&self, t: f64, q: &[f64], factor: f64, force: &mut [f64]) {
         for (number, load) in self.model.loads.iter().enumerate() {
-            load.load.add_force(load.value.at(self.moment_of(number, t)), q, factor, force);
+            let now = self.moment_of(number, t);
+            load.load.add_force(now, load.value.at(now), q, factor, force);
         }
     }
 
@@ -334,22 +347,29 @@ impl System {
         self.add_forces((t, q, v), -1.0, |_, part| part == Part::Dissipated, force);
         let mut rest = std::mem::take(&mut self.scratch.rest);
         rest.resize(v.len(), 0.0);
-        let blocks = self.model.blocks.iter().zip(&mut self.workspaces);
-        for ((block, _), workspace) in blocks.filter(|((block, _), _)| block.has_damping()) {
-            let mut add = |v: &[f64], force: &mut [f64]| {
-                let motion = Motion { q, v, a: &rest };
-                block.residual(motion, [0.0; 3], workspace, force, self.parallel);
-            };
-            for f in force.iter_mut() {
-                *f = -*f;
-            }
-            add(&rest, force);
-            for f in force.iter_mut() {
-                *f = -*f;
-            }
-            add(v, force);
+        // What is left at rest, winches included, is elastic.
+        let lengths = self.wound.lengths.clone();
+        self.wound.stop(&self.model);
+        for f in force.iter_mut() {
+            *f = -*f;
         }
+        self.damped_blocks(Motion { q, v: &rest, a: &rest }, force);
+        for f in force.iter_mut() {
+            *f = -*f;
+        }
+        for (winch, length) in lengths.into_iter().enumerate() {
+            self.wound.set(&self.model, winch, length);
+        }
+        self.damped_blocks(Motion { q, v, a: &rest }, force);
         self.scratch.rest = rest;
+    }
+
+    /// Adds the inner forces of blocks with damping.
+    fn damped_blocks(&mut self, motion: Motion<'_>, force: &mut [f64]) {
+        let blocks = self.model.blocks.iter_as(&self.wound).zip(&mut self.workspaces);
+        for ((block, _), workspace) in blocks.filter(|((block, _), _)| block.has_damping()) {
+            block.residual(motion, [0.0; 3], workspace, force, self.parallel);
+        }
     }
 
     /// Calls `work` with each joint that holds, its local coordinates and its range of equations.
@@ -384,7 +404,7 @@ impl System {
             damping: weights.damping,
             stiffness: weights.stiffness,
         };
-        for (block, range) in self.model.blocks.iter() {
+        for (block, range) in self.model.blocks.iter_as(&self.wound) {
             let values = &mut values[range.clone()];
             block.tangent(motion, weights, values, self.parallel);
         }
@@ -541,11 +561,13 @@ impl Problem for System {
         force: &mut [f64],
         phi: &mut [f64],
     ) -> Result<(), EvaluationError> {
-        self.refresh_inputs(at.t)?;
+        self.refresh(at.t)?;
         force.fill(0.0);
         let gravity = self.gravity_at(at.t);
         let motion = Motion { q: at.q, v: at.v, a: at.a };
-        for ((block, _), workspace) in self.model.blocks.iter().zip(&mut self.workspaces) {
+        for ((block, _), workspace) in
+            self.model.blocks.iter_as(&self.wound).zip(&mut self.workspaces)
+        {
             block.residual(motion, gravity, workspace, force, self.parallel);
         }
         for mass in &self.model.masses {
@@ -580,7 +602,7 @@ impl Problem for System {
 
     fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
         // A failing function of time fails in the residual, too.
-        let _ = self.refresh_inputs(at.t);
+        let _ = self.refresh(at.t);
         self.memory.note_tangent();
         self.block_tangents(at, weights, values);
         self.mass_tangents(weights.mass, values);
@@ -655,7 +677,7 @@ impl Problem for System {
             self.memory.audit.dissipated +=
                 work(&mut noted, &mut forces, before, after, |at, force| {
                     // Inputs that fail here have failed in the step itself.
-                    if self.refresh_inputs(at.t).is_ok() {
+                    if self.refresh(at.t).is_ok() {
                         self.damping_forces(at.t, at.q, at.v, force);
                     }
                 });
@@ -665,7 +687,7 @@ impl Problem for System {
             let mut noted = std::mem::take(&mut self.memory.loads);
             let mut forces = std::mem::take(&mut self.forces);
             self.memory.audit.work += work(&mut noted, &mut forces, before, after, |at, force| {
-                if self.refresh_inputs(at.t).is_ok() {
+                if self.refresh(at.t).is_ok() {
                     self.working_forces((at.t, at.q, at.v), force);
                 }
             });
@@ -674,6 +696,7 @@ impl Problem for System {
             self.memory.potential = potential;
             (self.memory.loads, self.forces) = (noted, forces);
         }
+        self.accept_given(before, after);
     }
 
     /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each
@@ -697,7 +720,7 @@ impl Problem for System {
                     [p % 3];
             let motion = Motion { q: at.q, v: at.v, a: at.a };
             for strand in strands {
-                let block = &self.model.blocks.cables[strand.block].block;
+                let block = self.model.blocks.cable(strand.block, &self.wound);
                 let gravity = self.gravity_at(at.t);
                 let cable = Some(strand.cable);
                 block.add_parameter_derivative(parameter, cable, motion, gravity, force);
@@ -706,7 +729,8 @@ impl Problem for System {
         }
         let p = p - 3 * self.model.strands.len();
         if let Some(load) = self.model.loads.get(p) {
-            load.load.add_force(load.value.at(self.moment(at.t)), at.q, -1.0, force);
+            let now = self.moment(at.t);
+            load.load.add_force(now, load.value.at(now), at.q, -1.0, force);
         } else if let Some(chosen) = self.model.forces.get(p - self.model.loads.len()) {
             let element = chosen.element;
             let only = |placed: &PlacedForce, _| placed.element == element;

@@ -11,6 +11,7 @@ use pliant_multibody::model::Model;
 use pliant_multibody::run::{Run, RunOptions, Start};
 use pliant_multibody::solve::{self, StaticOptions};
 use pliant_multibody::system::{Chosen, Inputs};
+use pliant_multibody::winch::Wound;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex};
@@ -43,8 +44,37 @@ impl PySystem {
         Ok(rows(q, "q", self.model.coordinates())?.0)
     }
 
-    /// `work` on each row of `q`, the results one after the other.
+    /// What forces and winches showed, row after row, and the length of a row.
+    fn outputs(&self, outputs: &Rows<'_>, n: usize) -> PyResult<(Vec<f64>, usize)> {
+        let width = outputs.as_array().ncols();
+        let (numbers, found) = rows(outputs, "outputs", width)?;
+        if found == n {
+            return Ok((numbers, width));
+        }
+        Err(PyModelError::new_err(format!("outputs: {found} rows, but there are {n} states")))
+    }
+
+    /// `work` on each row of `q`, with the lengths that winches had let out, the results one after the other.
     fn each(
+        &self,
+        py: Python<'_>,
+        q: &[f64],
+        (outputs, width): &(Vec<f64>, usize),
+        work: impl Fn(&Wound, &[f64], &mut Vec<f64>) + Sync,
+    ) -> Vec<f64> {
+        py.detach(|| {
+            let mut out = Vec::new();
+            let mut wound = Wound::new(&self.model);
+            for (i, q) in q.chunks_exact(self.model.coordinates().max(1)).enumerate() {
+                wound.show(&self.model, &outputs[i * width..(i + 1) * width]);
+                work(&wound, q, &mut out);
+            }
+            out
+        })
+    }
+
+    /// The same where winches do not matter.
+    fn each_state(
         &self,
         py: Python<'_>,
         q: &[f64],
@@ -403,10 +433,13 @@ impl PySystem {
         py: Python<'py>,
         cable: usize,
         q: Rows<'py>,
+        outputs: Rows<'py>,
     ) -> PyResult<Table<'py>> {
         self.check_cable(cable)?;
-        let q = self.states(&q)?;
-        let forces = self.each(py, &q, |q, out| self.model.axial_force(cable, q, out));
+        let (q, n) = rows(&q, "q", self.model.coordinates())?;
+        let outputs = self.outputs(&outputs, n)?;
+        let forces =
+            self.each(py, &q, &outputs, |w, q, out| self.model.axial_force(cable, w, q, out));
         table(py, forces, self.model.map().cables[cable].elements())
     }
 
@@ -415,12 +448,16 @@ impl PySystem {
         py: Python<'py>,
         cable: usize,
         q: Rows<'py>,
+        outputs: Rows<'py>,
     ) -> PyResult<(Table<'py>, Bound<'py, numpy::PyArray3<f64>>)> {
         self.check_cable(cable)?;
-        let q = self.states(&q)?;
+        let (q, n) = rows(&q, "q", self.model.coordinates())?;
+        let outputs = self.outputs(&outputs, n)?;
         let elements = self.model.map().cables[cable].elements();
-        let axial = self.each(py, &q, |q, out| self.model.axial_strain(cable, q, out));
-        let curvature = self.each(py, &q, |q, out| self.model.curvature(cable, q, out));
+        let axial =
+            self.each(py, &q, &outputs, |w, q, out| self.model.axial_strain(cable, w, q, out));
+        let curvature =
+            self.each(py, &q, &outputs, |w, q, out| self.model.curvature(cable, w, q, out));
         Ok((table(py, axial, elements)?, vectors(py, curvature, elements)?))
     }
 
@@ -433,7 +470,7 @@ impl PySystem {
         use numpy::PyArrayMethods;
         let faces = self.faces(surface)?;
         let q = self.states(&q)?;
-        let rows = self.each(py, &q, |q, out| self.model.surface_strain(surface, q, out));
+        let rows = self.each_state(py, &q, |q, out| self.model.surface_strain(surface, q, out));
         let n = rows.len() / (7 * faces);
         PyArray1::from_vec(py, rows).reshape([n, faces, 7])
     }
@@ -447,7 +484,7 @@ impl PySystem {
         self.faces(surface)?;
         let q = self.states(&q)?;
         let mass = self.model.surface_mass(surface);
-        let rows = self.each(py, &q, |q, out| {
+        let rows = self.each_state(py, &q, |q, out| {
             out.extend(self.model.surface_moment(surface, q).map(|m| m / mass));
         });
         table(py, rows, 3)
@@ -512,6 +549,7 @@ impl PySystem {
         q: Rows<'py>,
         v: Rows<'py>,
         a: Rows<'py>,
+        outputs: Rows<'py>,
     ) -> PyResult<Table<'py>> {
         self.check_cable(cable)?;
         let nodes = self.model.map().cables[cable].nodes.len();
@@ -520,12 +558,17 @@ impl PySystem {
                 "there is no node number {node} (there are {nodes})"
             )));
         }
-        let (q, v, a) = (self.states(&q)?, self.states(&v)?, self.states(&a)?);
+        let (v, a) = (self.states(&v)?, self.states(&a)?);
+        let (q, count) = rows(&q, "q", self.model.coordinates())?;
+        let (outputs, width) = self.outputs(&outputs, count)?;
         let n = self.model.coordinates();
         let forces = py.detach(|| {
             let mut out = Vec::new();
-            for ((q, v), a) in q.chunks_exact(n).zip(v.chunks_exact(n)).zip(a.chunks_exact(n)) {
-                out.extend(self.model.nodal_force(cable, node, q, v, a));
+            let mut wound = Wound::new(&self.model);
+            for i in 0..count {
+                wound.show(&self.model, &outputs[i * width..(i + 1) * width]);
+                let state = [&q, &v, &a].map(|x| &x[i * n..(i + 1) * n]);
+                out.extend(self.model.nodal_force(cable, node, &wound, state));
             }
             out
         });

@@ -67,8 +67,7 @@ impl CableBlock {
                 slots[first..=last].iter().enumerate().all(follows)
             })
             .collect();
-        let lengths =
-            if law.wound { Lengths::new(is_bridge.len()) } else { Lengths::default() };
+        let lengths = if law.wound { Lengths::new(is_bridge.len()) } else { Lengths::default() };
         Ok(Self {
             law,
             slots,

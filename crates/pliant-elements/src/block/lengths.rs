@@ -26,11 +26,7 @@ impl Lengths {
     #[inline(always)]
     pub fn lanes<S: Simd>(&self, simd: S, e: usize) -> Scale<Lanes<S>> {
         let load = |x: &[f64]| Lanes::load(simd, &x[e..]);
-        Scale {
-            length: load(&self.factor),
-            inverse: load(&self.inverse),
-            rate: load(&self.rate),
-        }
+        Scale { length: load(&self.factor), inverse: load(&self.inverse), rate: load(&self.rate) }
     }
 }
 

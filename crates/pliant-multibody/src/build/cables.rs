@@ -32,7 +32,7 @@ fn law(cable: &CableSpec) -> CableLaw {
         },
         tension_only: cable.tension_only,
         damped: cable.retardation_time != 0.0,
-        wound: false,
+        wound: cable.rest_length.is_some(),
     }
 }
 

@@ -2,6 +2,8 @@
 //! registry. Forces given over time, with at most a direction that turns, are [`crate::loads`].
 
 pub mod spring;
+pub mod tendon;
+pub mod wind;
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
@@ -74,6 +76,18 @@ pub trait ForceElement: Send + Sync {
         false
     }
 
+    /// Power that comes from outside and is lost at once, without a part in the motion [W]: it counts as work and as
+    /// loss.
+    fn transit(&self, at: At<'_>) -> f64 {
+        let _ = at;
+        0.0
+    }
+
+    /// Whether [`Self::transit`] may be above zero, and rates of signals are asked for.
+    fn has_transit(&self) -> bool {
+        false
+    }
+
     /// How many numbers [`Self::outputs`] gives.
     fn output_count(&self) -> usize;
 
@@ -89,17 +103,29 @@ pub(crate) struct Context<'a> {
     pub support: &'a dyn Fn(&[&Interpolation]) -> Support,
 }
 
-/// The force of a document.
+/// The force of a document, in one piece or several; only the first shows numbers.
 ///
 /// # Errors
 /// [`ModelError`] naming the force whose points or numbers are wrong.
 pub(crate) fn of_spec(
     force: &ForceSpec,
     context: &Context<'_>,
-) -> Result<Box<dyn ForceElement>, ModelError> {
+) -> Result<Vec<Box<dyn ForceElement>>, ModelError> {
+    let one = |force: Box<dyn ForceElement>| vec![force];
     Ok(match force {
-        ForceSpec::Spring { .. } => Box::new(spring::Spring::of_spec(force, context)?),
+        ForceSpec::Spring { .. } => one(Box::new(spring::Spring::of_spec(force, context)?)),
+        ForceSpec::Tendon { .. } => one(Box::new(tendon::Tendon::of_spec(force, context)?)),
+        ForceSpec::Wind { .. } => wind::Wind::of_spec(force, context)?
+            .into_iter()
+            .map(|wind| Box::new(wind) as Box<dyn ForceElement>)
+            .collect(),
     })
+}
+
+/// The error of a force that was asked to read the document of another kind.
+fn other_kind(kind: &str) -> ModelError {
+    let reason = "the force is of another kind";
+    ModelError::Unsupported { place: kind.to_owned(), reason }
 }
 
 /// `out += sum_ij w_i w_j k` over the terms of two local interpolations, `out` n x n: what a force at `r` gains where

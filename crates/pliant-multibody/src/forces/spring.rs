@@ -46,7 +46,9 @@ impl Spring {
     }
 
     pub(super) fn of_spec(force: &ForceSpec, context: &Context<'_>) -> Result<Self, ModelError> {
-        let ForceSpec::Spring { name, a, b, stiffness, damping, length } = force;
+        let ForceSpec::Spring { name, a, b, stiffness, damping, length } = force else {
+            return Err(super::other_kind("spring"));
+        };
         let place = format!("spring '{name}'");
         let numbers = [*stiffness, *damping, *length];
         if let Some(&value) = numbers.iter().find(|x| !(**x >= 0.0 && x.is_finite())) {

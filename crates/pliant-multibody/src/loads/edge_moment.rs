@@ -7,6 +7,7 @@
 use super::Load;
 use super::force::add_outer;
 use crate::point::{Interpolation, Support};
+use crate::signal::Moment;
 use crate::vector::vector;
 use nalgebra::Vector3;
 use pliant_dae::structure::Storage;
@@ -44,7 +45,14 @@ fn parts(point: &EdgePoint, q: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 impl Load for EdgeMoment {
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         for point in &self.points {
             let (turned, normal) = parts(point, q);
             let f = turned * (factor * value[0] * point.length / normal.norm_squared());

@@ -2,6 +2,7 @@
 
 use super::Load;
 use crate::point::{Interpolation, Support};
+use crate::signal;
 use crate::vector::vector;
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,7 +14,14 @@ pub struct DeadForce {
 }
 
 impl Load for DeadForce {
-    fn add_force(&self, value: [f64; 3], _q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: signal::Moment<'_>,
+        value: [f64; 3],
+        _q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         self.r.add_force(value.map(|f| factor * f), force);
     }
 }
@@ -44,7 +52,14 @@ impl FollowerForce {
 }
 
 impl Load for FollowerForce {
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: signal::Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         let f = self.matrix(value) * vector(self.t.at(q)).normalize() * factor;
         self.r.add_force(f.into(), force);
     }
@@ -86,7 +101,14 @@ impl BodyForce {
 }
 
 impl Load for BodyForce {
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: signal::Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         for (e, start) in self.e.iter().zip(&self.start) {
             let f = vector(e.at(q)) * (factor * start.dot(&vector(value)));
             self.r.add_force(f.into(), force);

@@ -2,6 +2,7 @@
 
 use super::Load;
 use crate::point::Interpolation;
+use crate::signal;
 
 /// A force per stress-free length, fixed in space.
 #[derive(Clone, Debug)]
@@ -11,7 +12,14 @@ pub struct LineLoad {
 }
 
 impl Load for LineLoad {
-    fn add_force(&self, value: [f64; 3], _q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: signal::Moment<'_>,
+        value: [f64; 3],
+        _q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         self.weights.add_force(value.map(|f| factor * f), force);
     }
 }

@@ -4,15 +4,24 @@ pub mod edge_moment;
 pub mod force;
 pub mod line;
 pub mod moment;
+pub mod moving;
 pub mod pressure;
 
 use crate::point::Support;
+use crate::signal::Moment;
 use pliant_dae::structure::Storage;
 
 /// One load. `value` is its signal at the time of evaluation.
 pub trait Load: Send + Sync {
     /// Adds `factor` times the generalized force at coordinates `q` to `force`.
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]);
+    fn add_force(
+        &self,
+        now: Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    );
 
     /// The coordinates that the parts of its stiffness couple; none for dead loads.
     fn supports(&self) -> &[Support] {

@@ -5,6 +5,7 @@
 use super::Load;
 use super::force::add_outer;
 use crate::point::{Interpolation, Support};
+use crate::signal;
 use crate::vector::vector;
 
 /// A moment fixed in space.
@@ -23,7 +24,14 @@ impl Moment {
 }
 
 impl Load for Moment {
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: signal::Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         let t = vector(self.t.at(q));
         let f = vector(value).cross(&t) * (factor / t.norm_squared());
         self.t.add_force(f.into(), force);
@@ -59,7 +67,14 @@ impl BodyMoment {
 }
 
 impl Load for BodyMoment {
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: signal::Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         for e in &self.e {
             let f = vector(value).cross(&vector(e.at(q))) * (0.5 * factor);
             e.add_force(f.into(), force);

@@ -5,6 +5,7 @@
 
 use super::Load;
 use crate::point::Support;
+use crate::signal::Moment;
 use pliant_dae::structure::Storage;
 use pliant_elements::SurfaceBlock;
 use std::sync::Arc;
@@ -36,7 +37,14 @@ impl Pressure {
 }
 
 impl Load for Pressure {
-    fn add_force(&self, value: [f64; 3], q: &[f64], factor: f64, force: &mut [f64]) {
+    fn add_force(
+        &self,
+        _now: Moment<'_>,
+        value: [f64; 3],
+        q: &[f64],
+        factor: f64,
+        force: &mut [f64],
+    ) {
         for (face, support) in self.faces.iter().zip(&self.supports) {
             let unit = face.block.pressure_force(face.element, q);
             for (&u, f) in support.unknowns.iter().zip(unit) {

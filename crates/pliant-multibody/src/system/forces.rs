@@ -100,6 +100,15 @@ impl System {
         energy
     }
 
+    /// Power that passes forces from outside into loss.
+    pub(super) fn transit(&self, t: f64, q: &[f64], v: &[f64]) -> f64 {
+        let mut power = 0.0;
+        self.model.each_force(&mut Room::default(), self.moment(t), (q, v), |placed, at, _| {
+            power += placed.force.transit(at);
+        });
+        power
+    }
+
     pub(super) fn force_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
         let mut room = std::mem::take(&mut self.room);
         let structure = &self.model.structure;

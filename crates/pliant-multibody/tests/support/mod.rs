@@ -27,6 +27,7 @@ pub fn straight_cable(name: &str, elements: usize, length: f64) -> CableSpec {
         integration: IntegrationSpec::Lobatto,
         bending: BendingSpec::Exact,
         reference: None,
+        rest_length: None,
         tension_only: false,
         retardation_time: 0.0,
         shared: none(),
