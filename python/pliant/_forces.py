@@ -36,15 +36,26 @@ class Forces(Lookup):
         Returns
         -------
         Reaction
-            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Of pins
-            that close a loop of pins at one place, the last carries nothing.
+            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Spring,
+            damper and stops of a joint are in, drives are not: they have their own. Of pins that close a
+            loop of pins at one place, the last carries nothing.
         """
         plan = self._plan_of(joint)
         records = self._records
         zero = np.zeros((len(self.time), 3))
         if plan["kind"] == "redundant":
             return Reaction(zero, zero.copy())
+        own = np.zeros((len(self.time), 6))
+        if joint.name in self._lowered.forces:
+            first = self._system.force_offsets()[self._lowered.forces[joint.name], 0]
+            own = records.outputs[:, first + 1 : first + 7]
+        if plan["kind"] == "force":
+            return Reaction(*np.ascontiguousarray(own.reshape(-1, 2, 3).swapaxes(0, 1)))
         if plan["kind"] == "multiplier":
+            first = self._system.joint_outputs()[plan["index"], 0]
+            if first >= 0:
+                drive = records.outputs[:, first : first + 6]
+                return Reaction(*np.ascontiguousarray(drive.reshape(-1, 2, 3).swapaxes(0, 1)))
             force, moment = zero, zero.copy()
             for rows, switch in self._poses(plan["index"]):
                 with translated():
@@ -55,7 +66,7 @@ class Forces(Lookup):
                         records.lambda_,
                         rows=rows,
                     )
-            return Reaction(force, moment)
+            return Reaction(force + own[:, :3], moment + own[:, 3:])
         return Reaction(self._shared_force(plan), zero)
 
     def spring(self, spring: Load) -> SpringForce:

@@ -34,6 +34,9 @@ def scenery() -> SimpleNamespace:
     kinds = {"elements": 4, "section": section, "material": rubber}
     line = [(0, 0, 0), (1, 0, 0)]
     brick = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)), position=(2, 0, 0), name="brick")
+    cart = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)), position=(3, 0, 0), name="cart")
+    wheel = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(4, 0, 0), name="wheel")
+    post = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(7, 0, 0), name="post")
     arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
     return SimpleNamespace(
         m=model,
@@ -41,6 +44,9 @@ def scenery() -> SimpleNamespace:
         net=net,
         ball=ball,
         brick=brick,
+        rail=model.slider(cart),
+        axle=model.hinge(wheel.center),
+        grip=model.clamp(post),
         stranger=stranger,
         k=kinds,
         line=line,
@@ -344,6 +350,30 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("gap", "-1", lambda s: stepper(s).engage(pinned(s), gap=-1)),
     ("axis", "'z'", lambda s: s.m.hinge(s.brick.center, axis="z")),
     ("axis", "tangent", lambda s: s.m.hinge(s.rope.end, axis=(1, 1, 0))),
+    ("stiffness", "-1", lambda s: s.m.hinge(s.brick.center, stiffness=-1.0)),
+    ("damping", "nan", lambda s: s.m.hinge(s.brick.center, damping=NAN)),
+    ("rest", "'a'", lambda s: s.m.slider(s.brick.center, rest="a")),
+    ("limits", "(1, -1)", lambda s: s.m.hinge(s.brick.center, limits=(1, -1))),
+    ("limits", "0.5", lambda s: s.m.slider(s.brick.center, limits=0.5)),
+    ("limits", "(0.2, 0.5)", lambda s: s.m.slider(s.brick.center, limits=(0.2, 0.5))),
+    ("b", "is the same point", lambda s: s.m.add_spring(s.ball, s.ball, 1.0)),
+    ("stiffness", "-1", lambda s: s.m.add_spring(s.ball, (0, 0, 0), -1.0)),
+    ("length", "inf", lambda s: s.m.add_spring(s.ball, (0, 0, 0), 1.0, length=INF)),
+    ("target", "'x'", lambda s: s.m.drive("x", position=(0, 0, 0))),
+    ("position", "one or both of", lambda s: s.m.drive(s.rope.end)),
+    ("position", "shape (3,)", lambda s: s.m.drive(s.rope.end, position=(0, 0))),
+    ("orientation", "Rotation", lambda s: s.m.drive(s.brick, orientation=(0, 0, 1))),
+    ("direction", "one of position", lambda s: s.m.drive(s.ball.center, direction=(0, 0, 1))),
+    ("angle", "one of position, rate", lambda s: s.m.drive(s.rail, angle=1.0)),
+    ("angle and torque", "one of", lambda s: s.m.drive(s.axle, angle=1.0, torque=1.0)),
+    ("angle", "smooth=True", lambda s: s.m.drive(s.axle, angle=pl.Table([0, 1], [0, 1]))),
+    ("angle", "jumps", lambda s: s.m.drive(s.axle, angle=pl.Input("a"))),
+    ("torque", "'much'", lambda s: s.m.drive(s.axle, torque="much")),
+    ("target", "hinge or a slider", lambda s: s.m.drive(s.grip, rate=1.0)),
+    ("axis", "must be given", lambda s: s.m.drive(s.brick, rate=1.0)),
+    ("axis", "longer than zero", lambda s: s.m.drive(s.brick, axis=(0, 0, 0), rate=1.0)),
+    ("joint_a", "hinge or a slider", lambda s: s.m.gear(s.grip, s.rail, 1.0)),
+    ("ratio", "0", lambda s: s.m.gear(s.rail, s.axle, 0.0)),
     ("axis", "nan", lambda s: s.m.slider(s.brick, axis=(NAN, 0, 1))),
     ("axis", "tangent", lambda s: s.m.cylindrical(s.rope.end, axis=(0, 0, 1))),
     ("axis_b", "normal", lambda s: s.m.universal(s.brick.center, None, (1, 0, 0), (1, 0, 0))),

@@ -56,6 +56,7 @@ pub(crate) fn draft(
     let (name, a, b) = joint.points();
     let place = format!("joint '{name}'");
     let refuse = |reason| ModelError::Unsupported { place: place.clone(), reason };
+    let a = a.ok_or_else(|| refuse("it has no points of its own"))?;
     let (r, frame) = map.point(a, &place)?;
     if let JointSpec::SlideCable { cable, slide, .. } = joint {
         if latch.is_some() {
