@@ -1,0 +1,185 @@
+r"""Elastica: an inextensible line whose curvature is the bending moment over the stiffness.
+
+    x' = cos theta,  y' = sin theta,  theta' = m / k(s),  m = M + F_y (x_L - x) - F_x (y_L - y)
+
+An end moment alone leaves a quadrature. With an end force the slope obeys an integral equation, solved by
+Newton's method for its values at Gauss points: with S the matrix of integrals from 0 to each point, T that of
+integrals from each point to L,
+
+    theta = S [(M + F_y T x' - F_x T y') / k].
+
+With shear, r' = t + gamma n, gamma = V / (kappa G A), V = F . n.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from pliant import _check
+from pliant.errors import ConvergenceError, ModelError
+from pliant.sdi.body import Body
+from pliant.sdi.sampling import INSIDE, Along
+from pliant.sdi.techniques import Loading
+from pliant.typing import FloatArray
+
+__all__ = ["Line", "solve", "solve_line"]
+
+POINTS = 6
+"""Gauss points of a panel."""
+
+
+@cache
+def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss points and weights on [0, 1], and the integrals from 0 to each point of what they interpolate."""
+    z, w = np.polynomial.legendre.leggauss(points)
+    powers = np.arange(points)
+    vandermonde = np.polynomial.legendre.legvander(z, points - 1)
+    integrals = np.stack(
+        [np.polynomial.legendre.legval(z, np.polynomial.legendre.legint(np.eye(points)[p], lbnd=-1)) for p in powers],
+        axis=1,
+    )
+    return 0.5 + 0.5 * z, 0.5 * w, 0.5 * integrals @ np.linalg.inv(vandermonde)
+
+
+class Line:
+    """Panels of Gauss points between breaks, finer towards them, and integrals over them."""
+
+    def __init__(self, length: float, breaks: tuple[float, ...], panels: int) -> None:
+        z, w, inner = _rule(POINTS)
+        edges = np.array([0.0, *breaks, length])
+        share = 0.5 - 0.5 * np.cos(np.pi * np.arange(panels + 1) / panels)
+        ends = np.concatenate([a + (b - a) * share[:-1] for a, b in zip(edges[:-1], edges[1:], strict=True)])
+        self.ends = np.append(ends, length)
+        self.widths = np.diff(self.ends)
+        self.s = (self.ends[:-1, None] + self.widths[:, None] * z).ravel()
+        self.weights = (self.widths[:, None] * w).ravel()
+        self._inner = inner
+
+    def integral(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Integrals from 0 to each point and to each end of a panel."""
+        panels = values.reshape(-1, POINTS)
+        whole = np.concatenate([[0.0], np.cumsum((self.weights * values).reshape(-1, POINTS).sum(axis=1))])
+        inside = self.widths[:, None] * (panels @ self._inner.T)
+        return (whole[:-1, None] + inside).ravel(), whole
+
+    def matrix(self) -> FloatArray:
+        """Integrals from 0 to each point as a matrix."""
+        n = len(self.s)
+        S = np.zeros((n, n))
+        for p, width in enumerate(self.widths):
+            rows = slice(POINTS * p, POINTS * (p + 1))
+            S[rows.stop :, rows] = self.weights[rows]
+            S[rows, rows] = width * self._inner
+        return S
+
+
+def solve(
+    body: Body, load: Loading, *, panels: int = 12, shear: bool = False
+) -> tuple[FloatArray, FloatArray, FloatArray, int, dict[str, Any]]:
+    """Bend a body as an elastica; ``shear`` adds the compliance of its sections in shear."""
+    give: Along | None = None
+    if _check.flag(shear, "shear"):
+        sections = body.sections
+        if sections is None:
+            raise ModelError("shear: the body's cross sections are not known; make it with them, or shear=False")
+        give = lambda s: 1.0 / sections.shear_stiffness(s)  # noqa: E731
+    panels = _check.count(panels, "panels", at_most=400)
+    line = Line(body.length, body.breakpoints, panels)
+    inside = INSIDE * body.length
+    places = np.clip(line.s, inside, body.length - inside)
+    compliance = 1.0 / body.stiffness(places)
+    return solve_line(line, compliance, load, None if give is None else give(places))
+
+
+def solve_line(
+    line: Line, compliance: FloatArray, load: Loading, shear_compliance: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray, int, dict[str, Any]]:
+    """Bend a line of given compliance 1/k at its points; 0 is rigid."""
+    Fx, Fy = load.force
+    n = len(line.s)
+    if Fx == 0.0 and Fy == 0.0:
+        theta, ends = line.integral(load.moment * compliance)
+    else:
+        theta = _shoot(line, compliance, load, shear_compliance)
+        _, ends = line.integral(_curvature(line, theta, compliance, load, shear_compliance))
+    dx, dy = _tangent(theta, load, shear_compliance)[:2]
+    (x, x_ends), (y, y_ends) = line.integral(dx), line.integral(dy)
+    order = np.argsort(np.concatenate([line.s, line.ends]), kind="stable")
+    pick = lambda inner, outer: np.concatenate([inner, outer])[order]  # noqa: E731
+    moment = _moment(line, theta, load, shear_compliance)
+    details = {
+        "s": pick(line.s, line.ends),
+        "points": line.s,
+        "weights": line.weights,
+        "curvature": moment * compliance,
+    }
+    return pick(x, x_ends), pick(y, y_ends), pick(theta, ends), n, details
+
+
+def _tangent(
+    theta: FloatArray, load: Loading, shear: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return x', y' and their derivatives by theta."""
+    c, s = np.cos(theta), np.sin(theta)
+    if shear is None:
+        return c, s, -s, c
+    Fx, Fy = load.force
+    gamma, rate = shear * (Fy * c - Fx * s), shear * (-Fy * s - Fx * c)
+    return c - gamma * s, s + gamma * c, -s - gamma * c - rate * s, c - gamma * s + rate * c
+
+
+def _moment(line: Line, theta: FloatArray, load: Loading, shear: FloatArray | None) -> FloatArray:
+    """Bending moment at the points [N m]."""
+    Fx, Fy = load.force
+    dx, dy = _tangent(theta, load, shear)[:2]
+    (x, x_ends), (y, y_ends) = line.integral(dx), line.integral(dy)
+    moment: FloatArray = load.moment + Fy * (x_ends[-1] - x) - Fx * (y_ends[-1] - y)
+    return moment
+
+
+def _curvature(
+    line: Line, theta: FloatArray, compliance: FloatArray, load: Loading, shear: FloatArray | None
+) -> FloatArray:
+    return compliance * _moment(line, theta, load, shear)
+
+
+def _shoot(line: Line, compliance: FloatArray, load: Loading, shear: FloatArray | None) -> FloatArray:
+    """Slope at the points, by Newton's method along a growing load."""
+    S = line.matrix()
+    T = line.weights - S
+    n = len(line.s)
+    theta = np.zeros(n)
+    reached, step = 0.0, 0.5
+    before = theta
+    while reached < 1.0:
+        factor = min(1.0, reached + step)
+        now = Loading(factor * load.moment, (factor * load.force[0], factor * load.force[1]))
+        Fx, Fy = now.force
+        # The last two equilibria foretell the next.
+        guess = theta + (theta - before) if reached > 0 else theta
+        residuals: list[float] = []
+        for _ in range(25):
+            dx, dy, ddx, ddy = _tangent(guess, now, shear)
+            residual = guess - S @ (compliance * (now.moment + T @ (Fy * dx - Fx * dy)))
+            residuals.append(float(np.abs(residual).max()))
+            jacobian = np.eye(n) - S @ (compliance[:, None] * (T * (Fy * ddx - Fx * ddy)))
+            guess = guess - np.linalg.solve(jacobian, residual)
+            if residuals[-1] < 1e-10 or not np.isfinite(residuals[-1]) or residuals[-1] > 1e3:
+                break
+        if residuals[-1] < 1e-8:
+            before, theta, reached = theta, guess, factor
+            step = min(1.0 - reached, 1.5 * step) or step
+        else:
+            step *= 0.4
+            if step < 1e-4:
+                raise ConvergenceError(
+                    f"elastica: no equilibrium found beyond {reached:.3g} of the load; the force may be above "
+                    "that of buckling",
+                    time=reached,
+                    step=step,
+                    residuals=residuals,
+                )
+    return theta
