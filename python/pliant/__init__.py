@@ -30,7 +30,7 @@ from pliant.statics import solve_static
 from pliant.stepper import Stepper
 
 if TYPE_CHECKING:
-    from pliant import scenes
+    from pliant import scenes, sdi
 
 __all__ = [
     "Box",
@@ -64,6 +64,7 @@ __all__ = [
     "Tube",
     "resume",
     "scenes",
+    "sdi",
     "simulate",
     "simulate_many",
     "solve_modes",
@@ -75,8 +76,8 @@ __all__ = [
 def __getattr__(name: str) -> object:
     import importlib
 
-    if name == "scenes":
-        return importlib.import_module("pliant.scenes")
+    if name in ("scenes", "sdi"):
+        return importlib.import_module(f"pliant.{name}")
     if name == "__version__":
         from pliant import _core
 

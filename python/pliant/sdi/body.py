@@ -25,6 +25,8 @@ __all__ = ["Body", "Layer", "Notch", "Sections", "features"]
 
 SLENDERNESS = 20.0
 """Length over height of the rectangle that stands in where a body's cross sections are not known."""
+SAME = 1e-9
+"""Breaks nearer than this are one [L]."""
 SHALLOW = 0.98
 """A dip of the stiffness to less than this part of its surroundings is a notch."""
 
@@ -237,7 +239,7 @@ class Body:
         sections: Sections | None,
         notches: tuple[Notch, ...] | None,
         name: str,
-        smoothed: bool = False,
+        jumps: tuple[float, ...] | None = None,
     ) -> None:
         positive(stiffness, length, "stiffness", breaks)
         self.length = length
@@ -245,8 +247,16 @@ class Body:
         self.sections = sections
         self._stiffness = stiffness
         self._notches = notches
-        self.jumps = () if smoothed else tuple(sorted(set(find_jumps(stiffness, length, breaks))))
-        self.breakpoints = tuple(sorted({*breaks, *self.jumps}))
+        self.jumps = tuple(sorted(set(find_jumps(stiffness, length, breaks)))) if jumps is None else jumps
+        # Breaks that coincide but for rounding are one; a jump is kept as it is.
+        kept: list[float] = []
+        for place in sorted({*breaks, *self.jumps}):
+            if kept and place - kept[-1] < SAME * length:
+                if place in self.jumps:
+                    kept[-1] = place
+            else:
+                kept.append(place)
+        self.breakpoints = tuple(kept)
 
     @classmethod
     def of_sections(
@@ -256,23 +266,24 @@ class Body:
         *,
         breakpoints: tuple[float, ...] = (),
         notches: tuple[Notch, ...] | None = None,
+        jumps: tuple[float, ...] | None = None,
         name: str = "body",
     ) -> Body:
-        """Make a body of its cross sections.
+        """Make a body of its cross sections; None leaves notches and jumps to be found.
 
         Examples
         --------
         >>> same = lambda value: lambda x: np.full(np.shape(x), value)
         >>> strip = Sections("rectangle", same(0.01), same(0.02), same(1e6), 0.3)
-        >>> float(Body.of_sections(0.1, strip).stiffness(0.05))
-        0.0016666666666666668
+        >>> round(float(Body.of_sections(0.1, strip).stiffness(0.05)), 6)
+        0.001667
         """
         length = _check.number(length, "length", above=0)
         breaks = tuple(sorted(p for p in set(breakpoints) if 0 < p < length))
         positive(sections.height, length, "height", breaks)
         positive(sections.width, length, "width", breaks)
         body = cls.__new__(cls)
-        body._set(length, sections.bending_stiffness, breaks, sections, notches, name)
+        body._set(length, sections.bending_stiffness, breaks, sections, notches, name, jumps)
         return body
 
     @classmethod
@@ -284,6 +295,9 @@ class Body:
         *,
         breakpoints: ArrayLike = (),
         notches: Any = None,
+        height: Any = None,
+        youngs_modulus: float | None = None,
+        poisson_ratio: float = 0.3,
         name: str = "samples",
     ) -> Body:
         """Make a body of samples of its stiffness.
@@ -298,6 +312,8 @@ class Body:
             Places where the stiffness or its slope jumps [m].
         notches : sequence of (start, end), optional
             Where a lumped model puts its springs [m].
+        height, youngs_modulus, poisson_ratio
+            As for :class:`Body`.
 
         Examples
         --------
@@ -306,10 +322,16 @@ class Body:
         0.0
         """
         function, length, breaks = _index.sampled_function(x, k, smooth, breakpoints)
-        found = None if notches is None else tuple(_notch(n, i, length) for i, n in enumerate(notches))
-        body = cls.__new__(cls)
-        body._set(length, function, breaks, None, found, _check.text(name, "name"))
-        return body
+        return cls(
+            length,
+            function,
+            breakpoints=breaks,
+            notches=notches,
+            height=height,
+            youngs_modulus=youngs_modulus,
+            poisson_ratio=poisson_ratio,
+            name=name,
+        )
 
     def __repr__(self) -> str:
         return f"Body({self.name!r}, length={self.length:g}, index={self.index:.4g})"
@@ -382,6 +404,8 @@ class Body:
         x, k = self.samples.x, self.samples.value
         found = []
         minima = _index._minima(k, 1e-9 * float(k.max()))
+        if not minima:
+            return ()
         walls = [0, *(a + int(np.argmax(k[a:b])) for a, b in zip(minima[:-1], minima[1:], strict=True)), len(k)]
         for i, left, right in zip(minima, walls[:-1], walls[1:], strict=True):
             before, behind = k[left : i + 1], k[i:right]

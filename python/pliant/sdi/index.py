@@ -143,6 +143,8 @@ def features(samples: Samples, length: float) -> list[Feature]:
     x, k, slope = samples.x, samples.value, samples.slope
     noise = 1e-9 * k.max()
     inner = _minima(k, noise)
+    if not inner:
+        return []
     walls = [0, *(a + int(np.argmax(k[a:b])) for a, b in zip(inner[:-1], inner[1:], strict=True)), len(k) - 1]
     found = []
     for i, left, right in zip(inner, walls[:-1], walls[1:], strict=True):
@@ -268,7 +270,8 @@ def _warn_where_rough(x: FloatArray, k: FloatArray) -> None:
     """Warn of noise: second differences that change sign like those of random numbers."""
     slope = np.diff(k) / np.diff(x)
     bend = np.diff(slope)
-    bend = bend[np.abs(bend) > 1e-6 * np.ptp(slope)] if len(bend) else bend
+    noticeable = 1e-6 * max(float(np.ptp(slope)), 1e-3 * float(k.max() / (x[-1] - x[0])))
+    bend = bend[np.abs(bend) > noticeable]
     changes = int(np.count_nonzero(bend[1:] * bend[:-1] < 0))
     if len(bend) > 12 and changes > len(bend) / 3:
         warnings.warn(

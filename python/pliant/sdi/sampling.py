@@ -71,9 +71,12 @@ def find_jumps(function: Along, length: float, known: tuple[float, ...] = ()) ->
     inside = INSIDE * length
     found: list[float] = []
     for a, b in zip(edges[:-1], edges[1:], strict=True):
-        left, right = function(np.array([a - inside, a + inside])) if a > 0 else (0.0, 0.0)
-        if abs(right - left) > 1e-6 * max(abs(left), abs(right)):
-            found.append(float(a))
+        if a > 0:
+            # A vertical tangent is no jump: its step grows with the distance it is taken over.
+            left, right, far_left, far_right = function(a + inside * np.array([-1.0, 1.0, -100.0, 100.0]))
+            step_here, step_around = abs(right - left), abs(far_right - far_left)
+            if step_here > 1e-6 * max(abs(left), abs(right)) and step_here > 0.5 * step_around:
+                found.append(float(a))
         n = max(POINTS_OF_A_SEGMENT, int(POINTS * (b - a) / length))
         x = np.linspace(a + inside, b - inside, n)
         y = function(x)

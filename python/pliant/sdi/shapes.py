@@ -146,7 +146,7 @@ def bump(
     center = _place(center, extent, length, "center")
     sections = _strip(_waves(height, [(center, extent, bump_height)]), width, youngs_modulus, poisson_ratio)
     breaks = (center - 0.5 * extent, center + 0.5 * extent)
-    return Body.of_sections(length, sections, breakpoints=breaks, notches=(), name="bump")
+    return Body.of_sections(length, sections, breakpoints=breaks, notches=(), jumps=(), name="bump")
 
 
 def _waves(height: float, waves: Sequence[tuple[float, float, float]]) -> Along:
@@ -204,7 +204,7 @@ def notches(
     sections = _strip(_waves(height, waves), width, youngs_modulus, poisson_ratio)
     breaks = tuple(edge for n in places for edge in (n.start, n.end))
     name = f"{len(waves)} cosine notches"
-    return Body.of_sections(length, sections, breakpoints=breaks, notches=tuple(places), name=name)
+    return Body.of_sections(length, sections, breakpoints=breaks, notches=tuple(places), jumps=(), name=name)
 
 
 def elliptic_notch(
@@ -261,6 +261,7 @@ def elliptic_notch(
         sections,
         breakpoints=(start, center, end),
         notches=(Notch(max(0.0, start), min(length, end), ELLIPSE_COEFFICIENT),),
+        jumps=(),
         name=f"elliptic notch {1e3 * a1:g} + {1e3 * a2:g} mm",
     )
 
@@ -297,7 +298,7 @@ def cosine_taper(
         youngs_modulus,
         poisson_ratio,
     )
-    return Body.of_sections(length, sections, notches=(), name="cosine taper")
+    return Body.of_sections(length, sections, notches=(), jumps=(), name="cosine taper")
 
 
 def cone(
@@ -326,7 +327,7 @@ def cone(
     a = _check.number(start_diameter, "start_diameter", above=0)
     b = _check.number(end_diameter, "end_diameter", above=0)
     sections = _round(lambda x: a + (b - a) * np.asarray(x) / length, youngs_modulus, poisson_ratio)
-    return Body.of_sections(length, sections, notches=(), name=f"cone to {b / a:.3g}")
+    return Body.of_sections(length, sections, notches=(), jumps=(), name=f"cone to {b / a:.3g}")
 
 
 def exponential(
@@ -356,7 +357,7 @@ def exponential(
     b = _check.number(end_diameter, "end_diameter", above=0)
     rate = np.log(b / a) / length
     sections = _round(lambda x: a * np.exp(rate * np.asarray(x)), youngs_modulus, poisson_ratio)
-    return Body.of_sections(length, sections, notches=(), name=f"exponential to {b / a:.3g}")
+    return Body.of_sections(length, sections, notches=(), jumps=(), name=f"exponential to {b / a:.3g}")
 
 
 def uniform(
@@ -378,7 +379,7 @@ def uniform(
     """
     height = _check.number(height, "height", above=0)
     sections = _strip(along(height, "height"), width, youngs_modulus, poisson_ratio)
-    return Body.of_sections(length, sections, notches=(), name="uniform")
+    return Body.of_sections(length, sections, notches=(), jumps=(), name="uniform")
 
 
 def stepped(
@@ -453,8 +454,10 @@ def stepped(
         for i in range(1, len(k) - 1)
         if k[i] < k[i - 1] and k[i] < k[i + 1]
     )
+    jumps = tuple(float(s) for i, s in enumerate(steps) if abs(k[i] - k[i + 1]) > 1e-9 * k[i])
+    breaks = tuple(float(s) for s in steps)
     return Body.of_sections(
-        float(edges[-1]), sections, breakpoints=tuple(float(s) for s in steps), notches=soft, name="stepped"
+        float(edges[-1]), sections, breakpoints=breaks, notches=soft, jumps=jumps, name="stepped"
     )
 
 

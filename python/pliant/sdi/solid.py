@@ -215,7 +215,7 @@ class Solid:
         size = q * len(pairs)
         K = B.reshape(e, size, m * d).swapaxes(1, 2) @ CB.reshape(e, size, m * d)
         GS = (G @ Sw).swapaxes(1, 2).reshape(e, m, q * d)
-        geometric = GS @ G.swapaxes(2, 3).swapaxes(1, 2).swapaxes(1, 2).reshape(e, q * d, m)
+        geometric = GS @ G.swapaxes(2, 3).reshape(e, q * d, m)
         K = K.reshape(e, m, d, m, d)
         for c in range(d):
             K[:, :, c, :, c] += geometric

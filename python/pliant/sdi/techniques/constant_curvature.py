@@ -15,8 +15,8 @@ from pliant import _check
 from pliant.errors import ConvergenceError
 from pliant.sdi.body import Body
 from pliant.sdi.techniques import Loading
-from pliant.sdi.techniques.matrix import sampled
-from pliant.typing import FloatArray
+from pliant.sdi.techniques.matrix import node_places, sampled
+from pliant.typing import ArrayLike, FloatArray
 
 __all__ = ["solve"]
 
@@ -45,15 +45,15 @@ def _rates(kappa: FloatArray, l: FloatArray) -> FloatArray:
 
 
 def solve(
-    body: Body, load: Loading, *, segments: int = 6, sampling: str = "harmonic"
+    body: Body, load: Loading, *, segments: int = 6, sampling: str = "harmonic", nodes: ArrayLike | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray, int, dict[str, Any]]:
-    """Bend a chain of equally long arcs; ``sampling`` as in the technique "matrix"."""
+    """Bend a chain of arcs, equally long or between ``nodes`` [m]; ``sampling`` as in the technique "matrix"."""
     from scipy.optimize import root
 
-    n = _check.count(segments, "segments", at_most=10**4)
     rule = _check.choice(sampling, "sampling", ("harmonic", "mean", "mid"))
-    nodes = np.linspace(0.0, body.length, n + 1)
-    l, k = np.diff(nodes), sampled(body, nodes, rule)
+    places = node_places(nodes, _check.count(segments, "segments", at_most=10**4), body.length)
+    n = len(places) - 1
+    l, k = np.diff(places), sampled(body, places, rule)
     F = np.array(load.force)
     kappa = load.moment / k
     if F.any():
@@ -72,4 +72,4 @@ def solve(
         if np.abs(found.fun).max() > 1e-8:
             raise ConvergenceError(f"constant_curvature: no equilibrium of the chain found ({found.message})")
     r, angle = _arcs(kappa, l)
-    return r[:, 0], r[:, 1], angle, n, {"curvature": kappa, "nodes": nodes}
+    return r[:, 0], r[:, 1], angle, n, {"curvature": kappa, "nodes": places}

@@ -3,8 +3,8 @@ r"""Elastica: an inextensible line whose curvature is the bending moment over th
     x' = cos theta,  y' = sin theta,  theta' = m / k(s),  m = M + F_y (x_L - x) - F_x (y_L - y)
 
 An end moment alone leaves a quadrature. With an end force the slope obeys an integral equation, solved by
-Newton's method for its values at Gauss points: with S the matrix of integrals from 0 to each point, T that of
-integrals from each point to L,
+Newton's method for its values at Gauss points: with S the integrals from 0 to each point, T those from each point
+to L,
 
     theta = S [(M + F_y T x' - F_x T y') / k].
 
@@ -13,6 +13,7 @@ With shear, r' = t + gamma n, gamma = V / (kappa G A), V = F . n.
 
 from __future__ import annotations
 
+import warnings
 from functools import cache
 from typing import Any
 
@@ -65,15 +66,11 @@ class Line:
         inside = self.widths[:, None] * (panels @ self._inner.T)
         return (whole[:-1, None] + inside).ravel(), whole
 
-    def matrix(self) -> FloatArray:
-        """Integrals from 0 to each point as a matrix."""
-        n = len(self.s)
-        S = np.zeros((n, n))
-        for p, width in enumerate(self.widths):
-            rows = slice(POINTS * p, POINTS * (p + 1))
-            S[rows.stop :, rows] = self.weights[rows]
-            S[rows, rows] = width * self._inner
-        return S
+    def onward(self, values: FloatArray) -> FloatArray:
+        """Integrals from each point to the end."""
+        inner, ends = self.integral(values)
+        rest: FloatArray = ends[-1] - inner
+        return rest
 
 
 def solve(
@@ -104,6 +101,13 @@ def solve_line(
         theta, ends = line.integral(load.moment * compliance)
     else:
         theta = _shoot(line, compliance, load, shear_compliance)
+        if shear_compliance is None and not _stable(line, theta, compliance, load):
+            warnings.warn(
+                "elastica: this equilibrium is unstable, the force is above that of buckling; a small moment or "
+                "inclination of the force leads to the stable one",
+                RuntimeWarning,
+                stacklevel=4,
+            )
         _, ends = line.integral(_curvature(line, theta, compliance, load, shear_compliance))
     dx, dy = _tangent(theta, load, shear_compliance)[:2]
     (x, x_ends), (y, y_ends) = line.integral(dx), line.integral(dy)
@@ -146,10 +150,26 @@ def _curvature(
     return compliance * _moment(line, theta, load, shear)
 
 
+def _stable(line: Line, theta: FloatArray, compliance: FloatArray, load: Loading) -> bool:
+    """Tell whether the second variation int k phi'^2 + (F . t) phi^2 ds is positive: Jacobi's criterion.
+
+    The solution of (k phi')' = (F . t) phi with phi = 1, phi' = 0 at the free end must have no zero.
+    """
+    Fx, Fy = load.force
+    pull = Fx * np.cos(theta) + Fy * np.sin(theta)
+    phi, bend = 1.0, 0.0
+    for h, c, p in zip(line.weights[::-1].tolist(), compliance[::-1].tolist(), pull[::-1].tolist(), strict=True):
+        bend -= h * p * phi
+        phi -= h * c * bend
+        if phi <= 0.0:
+            return False
+    return True
+
+
 def _shoot(line: Line, compliance: FloatArray, load: Loading, shear: FloatArray | None) -> FloatArray:
     """Slope at the points, by Newton's method along a growing load."""
-    S = line.matrix()
-    T = line.weights - S
+    from scipy.sparse.linalg import LinearOperator, gmres
+
     n = len(line.s)
     theta = np.zeros(n)
     reached, step = 0.0, 0.5
@@ -163,10 +183,18 @@ def _shoot(line: Line, compliance: FloatArray, load: Loading, shear: FloatArray 
         residuals: list[float] = []
         for _ in range(25):
             dx, dy, ddx, ddy = _tangent(guess, now, shear)
-            residual = guess - S @ (compliance * (now.moment + T @ (Fy * dx - Fx * dy)))
+            moment = now.moment + line.onward(Fy * dx - Fx * dy)
+            residual = guess - line.integral(compliance * moment)[0]
             residuals.append(float(np.abs(residual).max()))
-            jacobian = np.eye(n) - S @ (compliance[:, None] * (T * (Fy * ddx - Fx * ddy)))
-            guess = guess - np.linalg.solve(jacobian, residual)
+            slope = Fy * ddx - Fx * ddy
+
+            # The operator is the identity plus a compact one: a few iterations solve it.
+            def tangent(v: FloatArray, slope: FloatArray = slope) -> FloatArray:
+                return v - line.integral(compliance * line.onward(slope * v))[0]
+
+            operator = LinearOperator((n, n), matvec=tangent, dtype=np.float64)
+            step_of_theta, _ = gmres(operator, residual, rtol=1e-10, restart=60, maxiter=5)
+            guess = guess - step_of_theta
             if residuals[-1] < 1e-10 or not np.isfinite(residuals[-1]) or residuals[-1] > 1e3:
                 break
         if residuals[-1] < 1e-8:

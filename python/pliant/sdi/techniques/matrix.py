@@ -20,10 +20,13 @@ from pliant import _check
 from pliant.errors import ModelError
 from pliant.sdi.body import Body
 from pliant.sdi.techniques import Loading
-from pliant.sdi.techniques.elastica import POINTS, Line
+from pliant.sdi.techniques.elastica import Line
 from pliant.typing import ArrayLike, FloatArray
 
-__all__ = ["sampled", "solve"]
+__all__ = ["local_stiffness", "march", "node_places", "sampled", "solve", "tapered_stiffness"]
+
+PANELS = 8
+"""Panels of the quadrature over an element."""
 
 ALONG = np.array([-1.0, 0, 0, 1, 0, 0])
 ACROSS = np.array([0, -1.0, 0, 0, 1, 0])
@@ -37,7 +40,7 @@ def sampled(body: Body, nodes: FloatArray, sampling: str, quantity: str = "stiff
     values = []
     for a, b in zip(nodes[:-1], nodes[1:], strict=True):
         breaks = tuple(p - a for p in body.breakpoints if a < p < b)
-        line = Line(b - a, breaks, 24 // POINTS * 2)
+        line = Line(b - a, breaks, PANELS)
         k = function(np.clip(a + line.s, 0.0, body.length))
         values.append((b - a) / (line.weights @ (1.0 / k)) if sampling == "harmonic" else line.weights @ k / (b - a))
     return np.array(values)
@@ -58,30 +61,43 @@ def solve(
     """Bend a chain of beam elements.
 
     ``variant="paper"``: the stiffness in mid-element, no geometric terms; ``"consistent"``: harmonic means and
-    geometric terms. The other options overrule it. ``nodes``: their places [m], instead of ``elements`` equal ones.
+    geometric terms. The other options overrule it. ``sampling="exact"``: the stiffness matrix of the tapered
+    element, from its compliances. ``nodes``: their places [m], instead of ``elements`` equal ones.
     """
     paper = _check.choice(variant, "variant", ("consistent", "paper")) == "paper"
-    rule = _check.choice(sampling or ("mid" if paper else "harmonic"), "sampling", ("harmonic", "mean", "mid"))
+    rule = _check.choice(
+        sampling or ("mid" if paper else "harmonic"), "sampling", ("harmonic", "mean", "mid", "exact")
+    )
     turning = (not paper) if geometric is None else _check.flag(geometric, "geometric")
     steps = _check.count(steps, "steps", at_most=10**6)
-    if nodes is None:
-        places = np.linspace(0.0, body.length, _check.count(elements, "elements", at_most=10**4) + 1)
-    else:
-        places = _check.array(nodes, "nodes", (None,))
-        if len(places) < 2 or np.any(np.diff(places) <= 0) or places[0] != 0.0:
-            _check.fail("nodes", nodes, f"must ascend from 0 to the length {body.length:g}")
-        if abs(places[-1] - body.length) > 1e-9 * body.length:
-            _check.fail("nodes", nodes, f"must ascend from 0 to the length {body.length:g}")
-    k = sampled(body, places, rule)
-    EA = sampled(body, places, rule, "axial_stiffness")
+    places = node_places(nodes, _check.count(elements, "elements", at_most=10**4), body.length)
+    mean = "harmonic" if rule == "exact" else rule
+    k = sampled(body, places, mean)
+    EA = sampled(body, places, mean, "axial_stiffness")
     phi = np.zeros(len(k))
-    if _check.flag(shear, "shear"):
+    shear = _check.flag(shear, "shear")
+    if shear and rule == "exact":
+        raise ModelError('shear: goes with a sampled stiffness; take sampling="harmonic"')
+    if shear:
         if body.sections is None:
             raise ModelError("shear: the body's cross sections are not known; make it with them, or shear=False")
         middles = 0.5 * (places[:-1] + places[1:])
         phi = 12.0 * k / (body.sections.shear_stiffness(middles) * np.diff(places) ** 2)
-    x, y, angle = march(np.diff(places), k, EA, phi, load, steps, turning)
+    lengths = np.diff(places)
+    local = tapered_stiffness(body, places, EA) if rule == "exact" else local_stiffness(lengths, k, EA, phi)
+    x, y, angle = march(lengths, local, load, steps, turning)
     return x, y, angle, 3 * len(k), {"element_stiffness": k, "nodes": places}
+
+
+def node_places(nodes: Any, count: int, length: float) -> FloatArray:
+    """Return the given places of nodes, or ``count`` equal pieces."""
+    if nodes is None:
+        return np.linspace(0.0, length, count + 1)
+    places = _check.array(nodes, "nodes", (None,))
+    ascending = len(places) > 1 and bool(np.all(np.diff(places) > 0))
+    if not ascending or places[0] != 0.0 or abs(places[-1] - length) > 1e-9 * length:
+        _check.fail("nodes", nodes, f"must ascend from 0 to the length {length:g}")
+    return places
 
 
 def local_stiffness(l: FloatArray, k: FloatArray, EA: FloatArray, phi: FloatArray) -> FloatArray:
@@ -108,12 +124,33 @@ def local_stiffness(l: FloatArray, k: FloatArray, EA: FloatArray, phi: FloatArra
     return K
 
 
+def tapered_stiffness(body: Body, nodes: FloatArray, EA: FloatArray) -> FloatArray:
+    """Stiffness matrices (n, 6, 6) of elements whose stiffness varies inside.
+
+    The compliance of the far end against the near one, int (1, u, u^2)/k with u the distance from the far end,
+    is exact; its inverse and equilibrium make the rest.
+    """
+    K = np.zeros((len(nodes) - 1, 6, 6))
+    for e, (a, b) in enumerate(zip(nodes[:-1], nodes[1:], strict=True)):
+        line = Line(b - a, tuple(p - a for p in body.breakpoints if a < p < b), PANELS)
+        give = line.weights / body.stiffness(np.clip(a + line.s, 0.0, body.length))
+        u = (b - a) - line.s
+        one, first, second = float(give.sum()), float(give @ u), float(give @ u**2)
+        far = np.linalg.inv(np.array([[second, first], [first, one]]))
+        # Forces of the near end follow from those of the far end: V1 = -V2, M1 = -M2 - V2 l.
+        lever = np.array([[-1.0, 0.0], [-(b - a), -1.0], [1.0, 0.0], [0.0, 1.0]])
+        bending = [1, 2, 4, 5]
+        K[e][np.ix_(bending, bending)] = lever @ far @ lever.T
+        K[e, 0, 0] = K[e, 3, 3] = EA[e] / (b - a)
+        K[e, 0, 3] = K[e, 3, 0] = -EA[e] / (b - a)
+    return K
+
+
 def march(
-    l: FloatArray, k: FloatArray, EA: FloatArray, phi: FloatArray, load: Loading, steps: int, geometric: bool
+    l: FloatArray, local: FloatArray, load: Loading, steps: int, geometric: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Apply the load in steps; return places and slopes of the nodes."""
+    """Apply the load in steps to elements of these stiffnesses (n, 6, 6); return places and slopes of the nodes."""
     n = len(l)
-    local = local_stiffness(l, k, EA, phi)
     along = np.outer(ACROSS, ACROSS)
     across = np.outer(ALONG, ACROSS) + np.outer(ACROSS, ALONG)
     position = np.zeros((n + 1, 3))
