@@ -3,9 +3,9 @@
 import numpy as np
 import pliant as pl
 import pytest
-from sdi.bodies import CASES, body_of, notched
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sdi.bodies import CASES, body_of, notched
 
 # Samples of 1.25e-5 L, second order, around extrema refined by a parabola: 1e-4 is what the reference grants.
 TOLERANCE = 1e-4
@@ -82,7 +82,9 @@ def test_appendix_a_the_index_does_not_change_when_the_axis_is_inverted(body):
 def test_the_index_is_dimensionless(stiffer, longer):
     body = notched(0.03, 0.004)
     scaled = pl.sdi.Body(
-        L * longer, lambda x: stiffer * body.stiffness(x / longer), breakpoints=[0.035 * longer, 0.065 * longer]
+        L * longer,
+        lambda x: stiffer * body.stiffness(x / longer),
+        breakpoints=[0.035 * longer, 0.065 * longer],
     )
     assert scaled.index == pytest.approx(body.index, rel=TOLERANCE)
 
@@ -130,7 +132,9 @@ def test_section_5_1_a_longer_notch_has_a_smaller_real_part_and_a_deeper_one_a_s
     imaginary = [notched(0.03, left).index.imag for left in (0.001, 0.003, 0.006, 0.009)]
     assert imaginary == sorted(imaginary)
     # Width and place of the notch leave the imaginary part alone.
-    assert notched(0.08, 0.003).index.imag == pytest.approx(notched(0.02, 0.003, center=0.03).index.imag, rel=1e-4)
+    assert notched(0.08, 0.003).index.imag == pytest.approx(
+        notched(0.02, 0.003, center=0.03).index.imag, rel=1e-4
+    )
 
 
 def test_an_ellipse_has_its_steepest_places_at_its_edges():
@@ -149,7 +153,9 @@ def test_section_6_1_transformed_section(record):
         assert record("layers, EI", float(body.stiffness(0.0)), case["EI"], 1e-15, unit="N m^2")
     # One material in two layers is one material.
     split = pl.sdi.layered(L, B, [(0.004, E), (0.006, E)])
-    assert float(split.stiffness(0.02)) == pytest.approx(float(pl.sdi.uniform(L, H, B, E).stiffness(0.02)), rel=1e-12)
+    assert float(split.stiffness(0.02)) == pytest.approx(
+        float(pl.sdi.uniform(L, H, B, E).stiffness(0.02)), rel=1e-12
+    )
 
 
 def test_unequal_notches_have_one_index_each():
@@ -165,8 +171,10 @@ def test_global_extremes_of_unequal_notches_may_lie_in_different_ones():
     # The weakness of the definition: the steepest descent of one notch, the steepest ascent of another.
     def height(x):
         first, second = np.abs(x - 0.03), np.abs(x - 0.07)
-        return H - 0.005 * np.exp(-((first / np.where(x < 0.03, 0.004, 0.01)) ** 2)) - 0.005 * np.exp(
-            -((second / np.where(x < 0.07, 0.01, 0.004)) ** 2)
+        return (
+            H
+            - 0.005 * np.exp(-((first / np.where(x < 0.03, 0.004, 0.01)) ** 2))
+            - 0.005 * np.exp(-((second / np.where(x < 0.07, 0.01, 0.004)) ** 2))
         )
 
     body = pl.sdi.Body(L, lambda x: height(x) ** 3)
@@ -279,6 +287,8 @@ def test_slope_of_the_stiffness_bounds_what_constant_curvature_misses():
         exact = pl.sdi.bend(body, moment=moment)
         for tolerance in (0.2, 0.05):
             n = pl.sdi.criteria(body).segments(tolerance)
-            arcs = pl.sdi.bend(body, moment=moment, technique="constant_curvature", nodes=graded_nodes(body, n))
+            arcs = pl.sdi.bend(
+                body, moment=moment, technique="constant_curvature", nodes=graded_nodes(body, n)
+            )
             assert arcs.error(exact) < tolerance
     assert pl.sdi.criteria(pl.sdi.uniform(L, H, B, E)).variation == pytest.approx(0.0, abs=1e-12)

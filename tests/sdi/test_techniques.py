@@ -35,7 +35,13 @@ class TestReference:
         options = {"variant": "paper", "sampling": sampling}
         shape = pl.sdi.bend(body_of(case), technique="matrix", **options, **loads_of(case))
         # Deterministic: quadratures of the stiffness and rounding.
-        assert record(f"matrix {sampling}, {case['name']}", distance(shape, case[f"nmsa_{sampling}"]), 0.0, 1e-9, unit="L")
+        assert record(
+            f"matrix {sampling}, {case['name']}",
+            distance(shape, case[f"nmsa_{sampling}"]),
+            0.0,
+            1e-9,
+            unit="L",
+        )
         assert shape.tip_angle == pytest.approx(case[f"nmsa_{sampling}"][2], abs=1e-8)
 
     def test_matrix_with_geometric_terms(self, case, record):
@@ -52,7 +58,9 @@ class TestReference:
         options = {"coefficient": case["lpm_coef"], "flexure": flexure}
         shape = pl.sdi.bend(body_of(case), technique="lumped", **options, **loads_of(case))
         # Closed formulas: rounding.
-        assert record(f"lumped {flexure}, {case['name']}", distance(shape, case[f"lpm_{flexure}"]), 0.0, 1e-10, unit="L")
+        assert record(
+            f"lumped {flexure}, {case['name']}", distance(shape, case[f"lpm_{flexure}"]), 0.0, 1e-10, unit="L"
+        )
 
     def test_plane_finite_elements(self, case, record):
         if "fea2d" not in case:
@@ -65,7 +73,9 @@ class TestReference:
     def test_ancf(self, case, record):
         shape = pl.sdi.bend(body_of(case), technique="ancf", **loads_of(case))
         # The cable is extensible, the elastica not: (h/L)^2/12 times the load's scale.
-        assert record(f"ANCF against the elastica, {case['name']}", distance(shape, case["ea"]), 0.0, 1e-3, unit="L")
+        assert record(
+            f"ANCF against the elastica, {case['name']}", distance(shape, case["ea"]), 0.0, 1e-3, unit="L"
+        )
         assert shape.tip_angle == pytest.approx(case["ea"][2], abs=2e-3)
 
 
@@ -144,8 +154,15 @@ def test_published_scheme_is_consistent_with_moments_and_not_with_forces(record)
     # Four digits were tabulated.
     assert record("matrix as published, end force", np.array(wrong.tip) / LENGTH, (0.7949, 0.5485), 1e-3)
     right = pl.sdi.bend(body, force=force, **fine, geometric=True)
-    assert record("matrix with geometric terms, end force", np.array(right.tip) / LENGTH, (0.84003, 0.49417), 1e-4)
-    assert right.error(pl.sdi.bend(body, force=force)) < 2.5e-3 < 0.1 < wrong.error(pl.sdi.bend(body, force=force))
+    assert record(
+        "matrix with geometric terms, end force", np.array(right.tip) / LENGTH, (0.84003, 0.49417), 1e-4
+    )
+    assert (
+        right.error(pl.sdi.bend(body, force=force))
+        < 2.5e-3
+        < 0.1
+        < wrong.error(pl.sdi.bend(body, force=force))
+    )
     moment = 1.5 * STIFFNESS / LENGTH
     assert pl.sdi.bend(body, moment=moment, **fine).error(pl.sdi.bend(body, moment=moment)) < 1e-3
 
@@ -155,8 +172,8 @@ def test_tapered_element_of_one_stiffness_is_the_beam():
 
     body = pl.sdi.uniform(*STRIP)
     nodes = np.array([0.0, 0.03, LENGTH])
-    l, one = np.diff(nodes), np.ones(2)
-    plain = local_stiffness(l, STIFFNESS * one, one, np.zeros(2))
+    spans, one = np.diff(nodes), np.ones(2)
+    plain = local_stiffness(spans, STIFFNESS * one, one, np.zeros(2))
     assert tapered_stiffness(body, nodes, one) == pytest.approx(plain, rel=1e-10, abs=1e-12)
 
 
@@ -164,7 +181,10 @@ def test_tapered_elements_are_exact_where_displacements_are_small():
     body = pl.sdi.cone(0.2, 0.03, 0.005, MODULUS)
     moment = turning(body, 1e-3)
     exact = pl.sdi.bend(body, moment=moment)
-    errors = {s: pl.sdi.bend(body, moment=moment, technique="matrix", sampling=s).error(exact) for s in ("exact", "harmonic")}
+    errors = {
+        s: pl.sdi.bend(body, moment=moment, technique="matrix", sampling=s).error(exact)
+        for s in ("exact", "harmonic")
+    }
     assert errors["exact"] < 1e-3 < 0.05 < errors["harmonic"]
 
 
@@ -179,7 +199,9 @@ def test_integral_coefficient_and_the_published_one_agree_for_the_notch_it_was_m
         assert length / w == pytest.approx(0.267, abs=1e-3)
         assert start + length / 2 == pytest.approx(LENGTH / 2, abs=1e-9)
     for share, c in ((0.1, 0.1277), (0.2, 0.1968), (0.45, 0.3780), (0.6, 0.5112), (0.9, 0.857)):
-        (_, length, _), *_ = pl.sdi.bend(notched(0.04, share * HEIGHT), moment=1e-4, technique="lumped").details["flexures"]
+        (_, length, _), *_ = pl.sdi.bend(
+            notched(0.04, share * HEIGHT), moment=1e-4, technique="lumped"
+        ).details["flexures"]
         assert length / 0.04 == pytest.approx(c, abs=1e-3)
 
 
@@ -228,9 +250,11 @@ def test_arcs_with_a_force_are_in_equilibrium():
     from pliant.sdi.techniques.constant_curvature import _arcs, _rates
 
     rng = np.random.default_rng(2)
-    l, kappa = rng.uniform(0.01, 0.03, 5), rng.normal(0, 20, 5)
-    numeric = np.array([(_arcs(kappa + d, l)[0][-1] - _arcs(kappa - d, l)[0][-1]) / 2e-5 for d in 1e-5 * np.eye(5)])
-    assert _rates(kappa, l) == pytest.approx(numeric, abs=1e-9)
+    spans, kappa = rng.uniform(0.01, 0.03, 5), rng.normal(0, 20, 5)
+    numeric = np.array(
+        [(_arcs(kappa + d, spans)[0][-1] - _arcs(kappa - d, spans)[0][-1]) / 2e-5 for d in 1e-5 * np.eye(5)]
+    )
+    assert _rates(kappa, spans) == pytest.approx(numeric, abs=1e-9)
 
 
 # ANCF
@@ -241,7 +265,8 @@ def test_a_mesh_graded_by_the_slope_of_the_stiffness_needs_fewer_elements(record
     moment = turning(body)
     exact = pl.sdi.bend(body, moment=moment)
     even, graded = (
-        pl.sdi.bend(body, moment=moment, technique="ancf", elements=12, graded=g).error(exact) for g in (False, True)
+        pl.sdi.bend(body, moment=moment, technique="ancf", elements=12, graded=g).error(exact)
+        for g in (False, True)
     )
     # Another implementation of the element, with five points instead of three, has 15.6 % and 0.07 %.
     assert record("ANCF, 12 elements, even", 100 * even, 15.6, 1.0, unit="%")
@@ -260,7 +285,9 @@ def test_a_body_of_a_model_bends_like_the_technique():
     body = pl.sdi.elliptic_notch(LENGTH, HEIGHT, WIDTH, (0.02, 0.02), 0.004, MODULUS)
     moment = turning(body, 0.5)
     model = pl.Model()
-    finger = body.add_to(model, start=(0, 0, 1), direction=(0, 0, -2), up=(1, 0, 0), elements=30, name="finger")
+    finger = body.add_to(
+        model, start=(0, 0, 1), direction=(0, 0, -2), up=(1, 0, 0), elements=30, name="finger"
+    )
     model.clamp(finger.start)
     model.add_moment(finger.end, (0, moment, 0))
     end = pl.solve_static(model).track(finger.end).position[-1]
@@ -293,7 +320,9 @@ class TestSolid:
             x = place / 2.0
             x = x * np.array([1.0, 0.4, 0.5])[:d] - np.array([0.0, 0.4, 0.0])[:d]
             # The outside stays as it is.
-            shift = np.sin(np.pi * x[:, :1] / 3) * np.sin(2 * x[:, 1:2] + 1) * (1 - (x[:, 1:2] / 0.4) ** 2) * bend
+            shift = (
+                np.sin(np.pi * x[:, :1] / 3) * np.sin(2 * x[:, 1:2] + 1) * (1 - (x[:, 1:2] / 0.4) ** 2) * bend
+            )
             if d == 3:
                 shift *= 4 * x[:, 2:] * (1 - x[:, 2:])
             return x + shift
@@ -335,28 +364,37 @@ class TestSolid:
         green = (1.1**2 - 1) / 2
         first_piola = 1.1 * (1.3 + 1.6) * green
         # The reduced points of the hexahedra leave an error on distorted elements.
-        assert forces[solid.end_nodes, 0].sum() == pytest.approx(first_piola * 0.8, rel=1e-12 if d == 2 else 1e-3)
+        assert forces[solid.end_nodes, 0].sum() == pytest.approx(
+            first_piola * 0.8, rel=1e-12 if d == 2 else 1e-3
+        )
 
     def test_volume(self, kind, size, d):
-        assert self.solid(kind, size, d).weights.sum() == pytest.approx(3 * 0.8, rel=1e-12 if d == 2 else 1e-3)
+        assert self.solid(kind, size, d).weights.sum() == pytest.approx(
+            3 * 0.8, rel=1e-12 if d == 2 else 1e-3
+        )
 
 
 def test_the_free_end_moves_rigidly_and_its_derivatives_are_right():
-    solid = pl.sdi.bend(pl.sdi.uniform(*STRIP), moment=1e-3, technique="finite_element", elements=(4, 2)).details["solid"]
+    solid = pl.sdi.bend(
+        pl.sdi.uniform(*STRIP), moment=1e-3, technique="finite_element", elements=(4, 2)
+    ).details["solid"]
     q = np.array([0.01, -0.02, 0.4])
     _, rate, bend = solid.end(q)
     h = 1e-6
     numeric = np.stack([(solid.end(q + e)[0] - solid.end(q - e)[0]) / (2 * h) for e in h * np.eye(3)], axis=2)
     assert rate == pytest.approx(numeric, abs=1e-9)
     turn = np.array([0, 0, h])
-    assert bend == pytest.approx((solid.end(q + turn)[1] - solid.end(q - turn)[1])[..., 2] / (2 * h), abs=1e-9)
+    assert bend == pytest.approx(
+        (solid.end(q + turn)[1] - solid.end(q - turn)[1])[..., 2] / (2 * h), abs=1e-9
+    )
 
 
 def test_finite_elements_do_not_depend_on_the_way_there():
     body = notched(0.03, 0.004)
     moment = turning(body)
     direct, stepwise = (
-        pl.sdi.bend(body, moment=moment, technique="finite_element", elements=(40, 4), steps=n) for n in (1, 4)
+        pl.sdi.bend(body, moment=moment, technique="finite_element", elements=(40, 4), steps=n)
+        for n in (1, 4)
     )
     assert stepwise.error(direct) < 1e-8
 
@@ -368,7 +406,10 @@ def test_finite_elements_do_not_depend_on_the_way_there():
 def test_finite_elements_converge(coarse, fine, moved):
     body = notched(0.06, 0.003)
     moment = turning(body)
-    angles = [pl.sdi.bend(body, moment=moment, technique="finite_element", elements=n).tip_angle for n in (coarse, fine)]
+    angles = [
+        pl.sdi.bend(body, moment=moment, technique="finite_element", elements=n).tip_angle
+        for n in (coarse, fine)
+    ]
     # Measured elsewhere: 5e-4 and 4e-5.
     assert abs(angles[1] - angles[0]) < moved
 

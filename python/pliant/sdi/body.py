@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -110,7 +111,9 @@ class Sections:
     def axial_stiffness(self, x: FloatArray) -> FloatArray:
         """EA [N]."""
         if self.layers:
-            total = sum((layer.youngs_modulus * layer.height(x) for layer in self.layers), np.zeros(np.shape(x)))
+            total = sum(
+                (layer.youngs_modulus * layer.height(x) for layer in self.layers), np.zeros(np.shape(x))
+            )
             return self.width(x) * total
         return self.youngs_modulus(x) * self.area(x)
 
@@ -124,8 +127,8 @@ class Sections:
         """E I about the neutral axis [N m^2]: of layers, the transformed section."""
         if self.layers:
             return self.width(x) * _transformed(self.layers, x)[1]
-        second = self.width(x) * self.height(x) ** 3
-        return self.youngs_modulus(x) * second * (np.pi / 64.0 if self.shape == "circle" else 1.0 / 12.0)
+        share = np.pi / 64.0 if self.shape == "circle" else 1.0 / 12.0
+        return share * self.youngs_modulus(x) * self.width(x) * self.height(x) ** 3
 
     def shear_stiffness(self, x: FloatArray) -> FloatArray:
         """Shear coefficient times G A [N]."""
@@ -140,12 +143,15 @@ class Sections:
             return modulus * (np.pi / 32.0) * self.height(x) ** 4
         long, short = np.maximum(self.height(x), self.width(x)), np.minimum(self.height(x), self.width(x))
         ratio = short / long
-        return modulus * long * short**3 * (1.0 / 3.0 - 0.21 * ratio * (1.0 - ratio**4 / 12.0))
+        constant: FloatArray = long * short**3 * (1.0 / 3.0 - 0.21 * ratio * (1.0 - ratio**4 / 12.0))
+        return modulus * constant
 
     def transverse_stiffness(self, x: FloatArray) -> FloatArray:
         """Force a length over the squeeze of the section between two plates in the plane of bending [Pa]."""
         if self.layers:
-            give = sum((layer.height(x) / layer.youngs_modulus for layer in self.layers), np.zeros(np.shape(x)))
+            give = sum(
+                (layer.height(x) / layer.youngs_modulus for layer in self.layers), np.zeros(np.shape(x))
+            )
             return self.width(x) / give
         if self.shape == "circle":
             raise ModelError("squeezing: a circle between plates has no linear stiffness; take a rectangle")
@@ -177,7 +183,8 @@ class Body:
     stiffness : callable
         Bending stiffness E I over the arc length [N m^2]: a function of one number or of arrays.
     breakpoints : array_like, optional
-        Places where the stiffness or its slope jumps [m]; jumps of the stiffness are also found by themselves.
+        Places where the stiffness or its slope jumps [m]; jumps of the stiffness are also found by
+        themselves.
     notches : sequence of (start, end), optional
         Where a lumped model puts its springs [m]; by default the dips of the stiffness.
     height : float or callable, optional
@@ -251,6 +258,8 @@ class Body:
         # Breaks that coincide but for rounding are one; a jump is kept as it is.
         kept: list[float] = []
         for place in sorted({*breaks, *self.jumps}):
+            if not SAME * length < place < (1.0 - SAME) * length:
+                continue
             if kept and place - kept[-1] < SAME * length:
                 if place in self.jumps:
                     kept[-1] = place
@@ -406,7 +415,11 @@ class Body:
         minima = _index._minima(k, 1e-9 * float(k.max()))
         if not minima:
             return ()
-        walls = [0, *(a + int(np.argmax(k[a:b])) for a, b in zip(minima[:-1], minima[1:], strict=True)), len(k)]
+        walls = [
+            0,
+            *(a + int(np.argmax(k[a:b])) for a, b in itertools.pairwise(minima)),
+            len(k),
+        ]
         for i, left, right in zip(minima, walls[:-1], walls[1:], strict=True):
             before, behind = k[left : i + 1], k[i:right]
             if k[i] >= SHALLOW * min(before.max(), behind.max()):
@@ -527,5 +540,3 @@ def require_body(body: Any) -> Body:
     if not isinstance(body, Body):
         _check.fail("body", body, "must be a body such as pliant.sdi.cosine_notch(...) makes")
     return body
-
-

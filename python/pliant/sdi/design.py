@@ -88,21 +88,24 @@ def _minimise(
     def scaled(u: FloatArray) -> float:
         nonlocal count
         count += 1
-        return OBJECTIVE * objective(unit * u)
+        return OBJECTIVE * objective(np.clip(unit * u, low, high))
 
     found = minimize(
         scaled,
         np.ones(len(unit)),
         method="SLSQP",
         bounds=list(zip(low / unit, high / unit, strict=True)),
-        constraints=[{"type": "ineq", "fun": lambda u, g=g: g(unit * u)} for g in constraints],
+        constraints=[
+            {"type": "ineq", "fun": lambda u, g=g: g(np.clip(unit * u, low, high))} for g in constraints
+        ],
         options={"maxiter": 300, "ftol": FINEST},
     )
     best = np.clip(unit * found.x, low, high)
     violated = min((g(best) for g in constraints), default=0.0)
     if violated < -1e-6:
         raise ConvergenceError(
-            f"design: no body within the constraints found ({found.message}); the worst is missed by {-violated:.3g}. "
+            f"design: no body within the constraints found ({found.message}); the worst is missed by "
+            f"{-violated:.3g}. "
             "Try another start or wider bounds"
         )
     return best, count, str(found.message)
@@ -137,8 +140,8 @@ def link(
         [Pa].
     technique : {"lumped", "matrix"}
         Model of the optimisation. ``"lumped"``: a flexure, variables ``diameter``, ``flexure_length``,
-        ``flexure_start``. ``"matrix"``: five elements, the inner three with diameters ``diameter1`` to 3 and lengths
-        ``length1`` to 3, from ``flexure_start``.
+        ``flexure_start``. ``"matrix"``: five elements, the inner three with diameters ``diameter1`` to 3 and
+        lengths ``length1`` to 3, from ``flexure_start``.
     start : dict or Design, optional
         Where the search begins; for ``"matrix"`` also a design by ``"lumped"``.
     margin : float
@@ -179,8 +182,8 @@ def link(
         bounds = [(thin, thick), (0.01 * L, L), (0.01 * L, L)]
     else:
         names = ["diameter1", "diameter2", "diameter3", "length1", "length2", "length3", "flexure_start"]
-        d, l = known.get("diameter", 0.04 * L), known.get("flexure_length", 0.3 * L)
-        defaults = {f"diameter{i}": d for i in (1, 2, 3)} | {f"length{i}": l / 3 for i in (1, 2, 3)}
+        d, soft = known.get("diameter", 0.04 * L), known.get("flexure_length", 0.3 * L)
+        defaults = {f"diameter{i}": d for i in (1, 2, 3)} | {f"length{i}": soft / 3 for i in (1, 2, 3)}
         defaults["flexure_start"] = known.get("flexure_start", 0.3 * L)
         bounds = [(thin, thick)] * 3 + [(0.01 * L, L)] * 4
         known = {name: value for name, value in known.items() if name in names}
@@ -218,7 +221,16 @@ def link(
         pieces, across = [best[6], *best[3:6]], [thick, *best[:3]]
     body = stepped([*pieces, L - sum(pieces)], [*across, thick], E)
     body.name = f"link by {technique}"
-    return _design(body, dict(zip(names, best.tolist(), strict=True)), objective(best), tip(best), load, count, seconds, message)
+    return _design(
+        body,
+        dict(zip(names, best.tolist(), strict=True)),
+        objective(best),
+        tip(best),
+        load,
+        count,
+        seconds,
+        message,
+    )
 
 
 def _design(
@@ -231,7 +243,7 @@ def _design(
     seconds: float,
     message: str,
 ) -> Design:
-    given = {"moment": load.moment, "force": load.force}
+    given: dict[str, Any] = {"moment": load.moment, "force": load.force}
     exact = bend(body, technique="elastica", **given).tip
     moved = float(np.hypot(exact[0] - body.length, exact[1]))
     error = float(np.hypot(tip[0] - exact[0], tip[1] - exact[1])) / moved

@@ -8,6 +8,7 @@ the evidence beside the alternatives; tests/sdi/test_definition.py computes it.
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -145,7 +146,7 @@ def features(samples: Samples, length: float) -> list[Feature]:
     inner = _minima(k, noise)
     if not inner:
         return []
-    walls = [0, *(a + int(np.argmax(k[a:b])) for a, b in zip(inner[:-1], inner[1:], strict=True)), len(k) - 1]
+    walls = [0, *(a + int(np.argmax(k[a:b])) for a, b in itertools.pairwise(inner)), len(k) - 1]
     found = []
     for i, left, right in zip(inner, walls[:-1], walls[1:], strict=True):
         m = left + int(np.argmin(slope[left : i + 1]))
@@ -206,25 +207,15 @@ def sampled_function(
     from scipy.interpolate import CubicSpline
     from scipy.signal import savgol_filter
 
-    x = _check.array(x, "x", (None,))
-    k = _check.array(k, "k", x.shape)
-    if len(x) < FEWEST:
-        _check.fail("x", x, f"must have at least {FEWEST} samples, not {len(x)}")
-    falls = np.flatnonzero(np.diff(x) <= 0)
-    if len(falls):
-        i = int(falls[0]) + 1
-        _check.fail(f"x[{i}]", float(x[i]), f"must be above x[{i - 1}] = {x[i - 1]:g}: sort the samples")
-    if k.min() <= 0:
-        i = int(np.argmin(k))
-        _check.fail(f"k[{i}]", float(k[i]), "must be above 0: a stiffness")
-    length = float(x[-1] - x[0])
-    x = x - x[0]
+    places, values = _checked_samples(x, k)
+    length = float(places[-1] - places[0])
+    places = places - places[0]
     breaks = inner_breaks(breakpoints, length)
-    window = _window(smooth, len(x))
+    window = _window(smooth, len(places))
     pieces = []
     for a, b in zip((0.0, *breaks), (*breaks, length), strict=True):
-        held = (x >= a - 1e-12 * length) & (x <= b + 1e-12 * length)
-        u, v = x[held], k[held]
+        held = (places >= a - 1e-12 * length) & (places <= b + 1e-12 * length)
+        u, v = places[held], values[held]
         if len(u) < 4:
             raise ModelError(
                 f"breakpoints: only {len(u)} samples from {a:g} to {b:g} m; a piece needs at least 4"
@@ -238,12 +229,12 @@ def sampled_function(
             u = even
         pieces.append(CubicSpline(u, v))
 
-    def function(places: FloatArray) -> FloatArray:
-        places = np.asarray(places, dtype=np.float64)
-        number = np.searchsorted(np.array(breaks), places, side="right")
-        result = np.empty(places.shape)
+    def function(at: FloatArray) -> FloatArray:
+        at = np.asarray(at, dtype=np.float64)
+        number = np.searchsorted(np.array(breaks), at, side="right")
+        result = np.empty(at.shape)
         for i, piece in enumerate(pieces):
-            result[number == i] = piece(places[number == i])
+            result[number == i] = piece(at[number == i])
         return result
 
     fine = function(np.linspace(0.0, length, 4001))
@@ -253,6 +244,22 @@ def sampled_function(
             "name the breakpoints of steps, or smooth"
         )
     return function, length, breaks
+
+
+def _checked_samples(given_x: ArrayLike, given_k: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return samples that ascend and are above 0."""
+    x = _check.array(given_x, "x", (None,))
+    k = _check.array(given_k, "k", x.shape)
+    if len(x) < FEWEST:
+        _check.fail("x", x, f"must have at least {FEWEST} samples, not {len(x)}")
+    falls = np.flatnonzero(np.diff(x) <= 0)
+    if len(falls):
+        i = int(falls[0]) + 1
+        _check.fail(f"x[{i}]", float(x[i]), f"must be above x[{i - 1}] = {x[i - 1]:g}: sort the samples")
+    if k.min() <= 0:
+        i = int(np.argmin(k))
+        _check.fail(f"k[{i}]", float(k[i]), "must be above 0: a stiffness")
+    return x, k
 
 
 def _window(smooth: Any, samples: int) -> int | None:

@@ -1,7 +1,7 @@
-"""Further indices, ours: the same functional on other stiffnesses, and the slope of the stiffness as a criterion.
+"""Further indices, ours: the functional on other stiffnesses, and the slope of the stiffness as a criterion.
 
-The publication asks for them and does not define them. Read them as analogues: what the softness distribution index
-says of bending, they say of stretching, twisting and squeezing.
+The publication asks for them and does not define them. Read them as analogues: what the softness distribution
+index says of bending, they say of stretching, twisting and squeezing.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -65,8 +65,8 @@ NOTCHED: dict[tuple[str, float], Region] = {
     **{(name, 0.1): _STEEP_AND_SOFT for name in ("constant_curvature", "matrix", "hybrid", "elastica")},
     **{(name, 0.2): _EVERYWHERE for name in ("constant_curvature", "matrix", "hybrid", "elastica")},
 }
-"""Regions of the techniques with their default options, from 46 strips with a cosine notch turned by 1 rad (height a
-tenth of the length, 7 lengths and 7 depths of the notch): what the map says without being computed again."""
+"""Regions of the techniques with their default options, from 46 strips with a cosine notch, turned by 1 rad
+(7 lengths and 7 depths; height a tenth of the length): what the map says without being computed again."""
 COVERED = (1.3, 15.5)
 """Real parts of its bodies: outside, the map says nothing about lumped models."""
 
@@ -82,8 +82,8 @@ class ErrorMap:
     index : (n,) complex
         Their indices.
     errors : dict of (n,)
-        Error of each technique: distance of the end from that of the reference, over the reference's displacement.
-        Infinite where a technique cannot.
+        Error of each technique: distance of the end from that of the reference, over the reference's
+        displacement. Infinite where a technique cannot.
     regions : dict
         For (technique, level) the best rectangle.
     failed : tuple of str
@@ -114,6 +114,19 @@ class ErrorMap:
             lines.append(f"{body.name:42s} {self.index[i].real:6.3f} {self.index[i].imag:7.3f} {values}")
         return "\n".join(lines)
 
+    def only(self, labels: Sequence[str]) -> ErrorMap:
+        """Return the map of some of its techniques.
+
+        Examples
+        --------
+        >>> bodies = notched_bodies(lengths=(0.06,), depths=(0.3,))
+        >>> list(error_map(bodies, progress=False).only(["elastica"]).errors)
+        ['elastica']
+        """
+        errors = {label: self.errors[label] for label in labels}
+        regions = {key: region for key, region in self.regions.items() if key[0] in errors}
+        return replace(self, errors=errors, regions=regions)
+
     def plot(self, together: bool = False) -> Figure:
         """Draw the complex plane with the regions of each technique, or of all together (matplotlib)."""
         from pliant.sdi.plots import plot_map
@@ -130,7 +143,7 @@ def notched_bodies(
     width: float = 0.01,
     youngs_modulus: float = 1e6,
 ) -> list[Body]:
-    """Strips with a cosine notch, by default 21.
+    """Make strips with a cosine notch, by default 21.
 
     Parameters
     ----------
@@ -174,8 +187,8 @@ def error_map(
     moment : float, optional
         One end moment for all bodies instead [N m].
     techniques : sequence of str
-        Which are compared. A technique may come with a label: ``"matrix paper"`` is ``"matrix"`` with the options
-        of that label.
+        Which are compared. A technique may come with a label: ``"matrix paper"`` is ``"matrix"`` with the
+        options of that label.
     options : dict, optional
         Options of a technique or a label: ``{"matrix paper": {"variant": "paper"}}``.
     reference : str
@@ -212,7 +225,11 @@ def error_map(
         for body in given:
             load = rotation / bend(body, moment=1.0).tip_angle if moment is None else moment
             extra = dict(options.get(reference, {}))
-            if reference == "finite_element" and body.sections is not None and body.sections.shape == "circle":
+            if (
+                reference == "finite_element"
+                and body.sections is not None
+                and body.sections.shape == "circle"
+            ):
                 extra.setdefault("dimension", 3)
             try:
                 truth = bend(body, moment=load, technique=reference, **extra)
@@ -291,11 +308,11 @@ def _rectangle(index: Any, good: Any, prefer: float = 1e-6) -> Region:
             continue
         strip = sums[b] - sums[a]
         gain = strip[None, :] - strip[:, None]
-        c, d = np.triu_indices(len(im), 1)
-        size = gain[c, d] + prefer * (b - a) * (d - c)
+        below, above = np.triu_indices(len(im), 1)
+        size = gain[below, above] + prefer * (b - a) * (above - below)
         i = int(np.argmax(size))
         if size[i] > best:
-            best, corners = float(size[i]), (a, b, int(c[i]), int(d[i]))
+            best, corners = float(size[i]), (a, b, int(below[i]), int(above[i]))
     a, b, c, d = corners
     region = Region((float(re[a]), float(re[b])), (float(im[c]), float(im[d])), 0.0)
     right = np.mean([region.holds(z) == g for z, g in zip(index, good, strict=True)])

@@ -143,6 +143,7 @@ def draw_map(axes: Axes, found: ErrorMap, labels: list[str], title: str = "") ->
     low = 0.6 * float(z.imag.min())
     limits = (x0, x1, low, 1.4)
     levels = sorted({level for _, level in found.regions})
+    crowded = len(labels) > 1
     for label in labels:
         color = COLORS[label.split(" ")[0]]
         for level in levels[::-1]:
@@ -155,10 +156,10 @@ def draw_map(axes: Axes, found: ErrorMap, labels: list[str], title: str = "") ->
                     _patch(region, limits),
                     facecolor=(color, 0.28) if first else "none",
                     edgecolor=color,
-                    linewidth=1.4,
+                    linewidth=2.0 if crowded and first else 1.4,
                     linestyle="-" if first else (0, (5, 3)),
-                    hatch=None if first else "///",
-                    alpha=None if first else 0.45,
+                    hatch=None if first or crowded else "///",
+                    alpha=None if first or crowded else 0.45,
                 )
             )
     errors = np.stack([found.errors[label] for label in labels])
@@ -166,12 +167,12 @@ def draw_map(axes: Axes, found: ErrorMap, labels: list[str], title: str = "") ->
     for level, marker, face in ((levels[0], "o", INK), (levels[-1], "o", "white"), (np.inf, "x", INK)):
         chosen = best < level
         best = np.where(chosen, np.inf, best)
-        look = {"markerfacecolor": face} if marker == "o" else {}
+        look: dict[str, Any] = {"markerfacecolor": face} if marker == "o" else {}
         axes.plot(z.real[chosen], z.imag[chosen], marker, color=INK, markersize=4.5, zorder=3, **look)
     axes.set_yscale("log")
     axes.set_xlim(x0, x1)
     axes.set_ylim(low, 1.4)
-    _plain(axes, "Re SDI = L / (x_M - x_m)", "Im SDI = k_min / k_max", title)
+    _plain(axes, "Re SDI = $L\\,/\\,(x_M - x_m)$", "Im SDI = $k_{min}\\,/\\,k_{max}$", title)
 
 
 def _name(label: str) -> str:
@@ -181,22 +182,32 @@ def _name(label: str) -> str:
 
 
 def plot_map(found: ErrorMap, together: bool = False) -> Figure:
-    """Draw one complex plane a technique, or one for all, with the regions where the error is below each level."""
+    """Draw a complex plane for each technique, or one for all, with the regions of small error."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     labels = list(found.errors)
+    levels = sorted({level for _, level in found.regions})
     if together:
-        figure = new_figure(7.4, 5.2)
+        figure = new_figure(7.4, 5.4)
         axes = figure.subplots()
-        draw_map(axes, found, labels, "techniques over the complex plane of the softness distribution index")
-        levels = sorted({level for _, level in found.regions})
-        small, large = (f"{100 * level:g} %" for level in (levels[0], levels[-1]))
-        handles = [Patch(facecolor=(COLORS[t.split(" ")[0]], 0.4), label=_name(t)) for t in labels]
+        # The elastica is good nearly everywhere: the others lie upon it.
+        order = sorted(labels, key=lambda label: -int(np.count_nonzero(found.errors[label] < min(levels))))
+        draw_map(axes, found, order, "techniques over the complex plane of the softness distribution index")
+        small, large = (f"{100 * level:g} %" for level in (min(levels), max(levels)))
+        handles: list[Any] = [
+            Patch(
+                facecolor=(COLORS[t.split(" ")[0]], 0.28), edgecolor=COLORS[t.split(" ")[0]], label=_name(t)
+            )
+            for t in labels
+        ]
         handles += [
-            Patch(facecolor=(GREY, 0.4), edgecolor=GREY, label=f"full: error below {small}"),
-            Patch(facecolor="none", edgecolor=GREY, hatch="///", linestyle="--", label=f"hatched: below {large}"),
-            Line2D([], [], marker="o", color=INK, linestyle="", label="bodies"),
+            Line2D([], [], color=GREY, linewidth=2.0, label=f"error below {small}"),
+            Line2D([], [], color=GREY, linestyle="--", label=f"below {large}"),
+            Line2D([], [], marker="o", color=INK, linestyle="", label=f"best one below {small}"),
+            Line2D(
+                [], [], marker="o", color=INK, markerfacecolor="white", linestyle="", label=f"below {large}"
+            ),
         ]
         figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=8.5)
         return figure
@@ -211,14 +222,14 @@ def plot_map(found: ErrorMap, together: bool = False) -> Figure:
     for axes in grid[len(labels) :]:
         axes.set_axis_off()
     small, large = (f"{100 * level:g} %" for level in (levels[0], levels[-1]))
-    handles = [
+    marks: list[Any] = [
         Patch(facecolor=(GREY, 0.4), edgecolor=GREY, label=f"region: error below {small}"),
         Patch(facecolor="none", edgecolor=GREY, hatch="///", linestyle="--", label=f"below {large}"),
         Line2D([], [], marker="o", color=INK, linestyle="", label=f"body: error below {small}"),
         Line2D([], [], marker="o", color=INK, markerfacecolor="white", linestyle="", label=f"below {large}"),
         Line2D([], [], marker="x", color=INK, linestyle="", label="above"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False, fontsize=8.5)
+    figure.legend(handles=marks, loc="outside lower center", ncols=5, frameon=False, fontsize=8.5)
     return figure
 
 
@@ -233,13 +244,22 @@ def plot_landscape(valley: Landscape, solutions: list[Design], bounds: tuple[flo
     distance = np.sqrt(valley.objective.T)
     shown = left.pcolormesh(w, depth, distance, norm=LogNorm(max(distance.min(), 1e-3), 1), cmap="viridis")
     figure.colorbar(shown, ax=left, label="distance from the wanted height [L]")
-    errors = right.contourf(w, depth, 100 * valley.error.T, levels=[0, 1, 2, 3, 5, 10, 20, 50], cmap="magma_r")
+    errors = right.contourf(
+        w, depth, 100 * valley.error.T, levels=[0, 1, 2, 3, 5, 10, 20, 50], cmap="magma_r"
+    )
     figure.colorbar(errors, ax=right, label="predicted error of the elastica [%]")
-    for axes, title in ((left, "the objective is a valley"), (right, "and its floor is not equally trustworthy")):
+    for axes, title in (
+        (left, "the objective is a valley"),
+        (right, "and its floor is not equally trustworthy"),
+    ):
         axes.contour(w, depth, valley.tip.T - valley.height, levels=[0.0], colors=[INK], linewidths=1.6)
         if bounds is not None:
-            axes.contour(w, depth, valley.index.real.T, levels=[bounds[0]], colors=["#00a0a0"], linewidths=1.4)
-            axes.contour(w, depth, valley.index.imag.T, levels=[bounds[1]], colors=["#00a0a0"], linestyles="--")
+            axes.contour(
+                w, depth, valley.index.real.T, levels=[bounds[0]], colors=["#00a0a0"], linewidths=1.4
+            )
+            axes.contour(
+                w, depth, valley.index.imag.T, levels=[bounds[1]], colors=["#00a0a0"], linestyles="--"
+            )
         for number, design in enumerate(solutions, 1):
             u, v = 1e3 * design.variables["notch_length"], design.variables["depth"]
             axes.plot(u, v, "o", color=RED, markeredgecolor="white", markersize=8, zorder=4)

@@ -4,8 +4,9 @@ A solid is softer than its beam where its outline is steep and where it is strai
 
     k_solid = k / (1 + a (h'/2)^2 + b (kappa h/2)^2)
 
-The elastica of k_solid stands in for the finite elements. a and b were fitted to the elastica's error on 46 bodies
-with a cosine notch (docs/theory/sdi.md), and hold on the others: a reconstruction of none of the published equations.
+The elastica of k_solid stands in for the finite elements. a and b were fitted to the elastica's error on 46
+bodies with a cosine notch (docs/theory/sdi.md), and hold on the others: a reconstruction of none of the
+published equations.
 """
 
 from __future__ import annotations
@@ -40,9 +41,11 @@ class Measures:
     Attributes
     ----------
     outside : float
-        Part of the bending outside the notches: 1 - int_notches |kappa| / int |kappa|. What a lumped model leaves out.
+        Part of the bending outside the notches: 1 - int_notches |kappa| / int |kappa|. What a lumped model
+        leaves out.
     coarse : float
-        |sum l_e kappa_e / int kappa - 1| of six elements of the stiffness in their middles: what such a mesh misses.
+        |sum l_e kappa_e / int kappa - 1| of six elements of the stiffness in their middles: what such a mesh
+        misses.
     steepness : float
         Mean (h'/2)^2, weighted by the curvature: what plane sections leave out.
     strain : float
@@ -109,7 +112,7 @@ def measures(body: Body, load: Loading) -> Measures:
 def predicted_errors(
     body: Body, load: Loading, techniques: list[str], options: dict[str, dict[str, Any]]
 ) -> dict[str, tuple[float, Shape | None, str]]:
-    """Predict the error of each technique: (error, its shape where it was cheap to compute, why it cannot)."""
+    """Predict the error of each technique: (error, its shape if it was cheap to compute, why it cannot)."""
     end = solid_elastica(body, load)
     moved = float(np.hypot(end[0] - body.length, end[1]))
     if moved == 0.0:
@@ -129,8 +132,8 @@ def predicted_errors(
                 technique=standing_in,
                 **({} if name == "ancf" else options.get(name, {})),
             )
-        except (ModelError, ConvergenceError) as error:
-            found[name] = (float("inf"), None, str(error))
+        except (ModelError, ConvergenceError) as failure:
+            found[name] = (float("inf"), None, str(failure))
             continue
         error = float(np.hypot(shape.tip[0] - end[0], shape.tip[1] - end[1])) / moved
         found[name] = (error, None if name == "ancf" else shape, "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -70,7 +71,7 @@ def find_jumps(function: Along, length: float, known: tuple[float, ...] = ()) ->
     edges = np.array([0.0, *known, length])
     inside = INSIDE * length
     found: list[float] = []
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in itertools.pairwise(edges):
         if a > 0:
             # A vertical tangent is no jump: its step grows with the distance it is taken over.
             left, right, far_left, far_right = function(a + inside * np.array([-1.0, 1.0, -100.0, 100.0]))
@@ -125,7 +126,7 @@ def sample(function: Along, length: float, breaks: tuple[float, ...] = ()) -> Sa
     edges = np.array([0.0, *breaks, length])
     inside = INSIDE * length
     rows = []
-    for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+    for i, (a, b) in enumerate(itertools.pairwise(edges)):
         n = max(POINTS_OF_A_SEGMENT, int(POINTS * (b - a) / length)) | 1
         x = np.linspace(a, b, n)
         y = function(np.clip(x, a + inside, b - inside))

@@ -104,7 +104,12 @@ def cosine_notch(
     length = _check.number(length, "length", above=0)
     center = _place(center, _check.number(notch_length, "notch_length", above=0), length, "center")
     body = notches(
-        length, height, width, [(center, notch_length, notch_height)], youngs_modulus, poisson_ratio=poisson_ratio
+        length,
+        height,
+        width,
+        [(center, notch_length, notch_height)],
+        youngs_modulus,
+        poisson_ratio=poisson_ratio,
     )
     body.name = f"cosine notch {1e3 * notch_length:g} mm, {1e3 * notch_height:g} of {1e3 * height:g} mm left"
     return body
@@ -156,7 +161,9 @@ def _waves(height: float, waves: Sequence[tuple[float, float, float]]) -> Along:
         h = np.full(np.shape(x), height)
         for c, w, left in waves:
             t = np.asarray(x) - c
-            h = h - np.where(np.abs(t) <= 0.5 * w, 0.5 * (height - left) * (1 + np.cos(2 * np.pi * t / w)), 0.0)
+            h = h - np.where(
+                np.abs(t) <= 0.5 * w, 0.5 * (height - left) * (1 + np.cos(2 * np.pi * t / w)), 0.0
+            )
         return h
 
     return function
@@ -192,7 +199,8 @@ def notches(
     height = _check.number(height, "height", above=0)
     rows = _check.array(notches, "notches", (None, 3), "must be rows of (center, length, height left) in m")
     rows = rows[np.argsort(rows[:, 0])]
-    waves, places = [], []
+    waves: list[tuple[float, float, float]] = []
+    places: list[Notch] = []
     for i, (c, w, left) in enumerate(rows.tolist()):
         _check.number(w, f"notches[{i}] length", above=0)
         _check.number(left, f"notches[{i}] height left", above=0, below=height)
@@ -253,7 +261,7 @@ def elliptic_notch(
     def outline(x: FloatArray) -> FloatArray:
         t = np.asarray(x) - center
         u = np.where(t < 0, -t / a1, t / a2)
-        return height - (height - left) * np.sqrt(np.clip(1 - u**2, 0.0, None))
+        return np.asarray(height - (height - left) * np.sqrt(np.clip(1 - u**2, 0.0, None)))
 
     sections = _strip(outline, width, youngs_modulus, poisson_ratio)
     return Body.of_sections(
@@ -408,7 +416,8 @@ def stepped(
 
     Notes
     -----
-    The stiffness jumps; its index is that of a profile whose steps are blended over L/50, and reading it warns.
+    The stiffness jumps; its index is that of a profile whose steps are blended over L/50, and reading it
+    warns.
 
     Examples
     --------
@@ -484,8 +493,8 @@ def layered(
 
     Notes
     -----
-    E I = sum E_i (I_i + A_i (y_i - y)^2) about the neutral axis y = sum E_i A_i y_i / sum E_i A_i. The body is
-    built around its neutral axis, which is straight.
+    E I = sum E_i (I_i + A_i (y_i - y)^2) about the neutral axis y = sum E_i A_i y_i / sum E_i A_i. The body
+    is built around its neutral axis, which is straight.
 
     Examples
     --------

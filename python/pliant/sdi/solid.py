@@ -1,8 +1,9 @@
 """Finite elements of a slender solid at large deflection: Saint Venant-Kirchhoff, total Lagrangian.
 
-The mesh is a lattice mapped onto the body: 9-node quadrilaterals in plane stress, or 20-node hexahedra with 2x2x2
-points over half the width. Nodes are numbered section by section, so the tangent is a narrow band whose Cholesky
-factors cost n b^2. The clamped end is held fully, the free end moves rigidly with a master point (U, theta):
+The mesh is a lattice mapped onto the body: 9-node quadrilaterals in plane stress, or 20-node hexahedra with
+2x2x2 points over half the width. Nodes are numbered section by section, so the tangent is a narrow band whose
+Cholesky factors cost n b^2. The clamped end is held fully, the free end moves rigidly with a master point (U,
+theta):
 
     u_i = U + (R(theta) - I) (X_i - C)
 """
@@ -114,7 +115,7 @@ class Lattice:
 
     @classmethod
     def of(cls, kind: Kind, size: tuple[int, ...], position: object) -> Lattice:
-        """Fill a lattice of ``size`` elements; ``position(places)`` maps places (n, d) to positions (n, d)."""
+        """Fill a lattice of ``size`` elements; ``position`` maps places (n, d) to positions (n, d)."""
         used = np.zeros(tuple(2 * n + 1 for n in size), dtype=np.int64)
         cells = np.array(list(product(*(range(n) for n in size))))
         corners = 2 * cells[:, None] + kind.steps
@@ -183,7 +184,7 @@ class Solid:
     # Forces
 
     def internal(self, u: FloatArray, tangent: bool) -> tuple[FloatArray, FloatArray | None]:
-        """Internal forces (n, d), and stiffness matrices of the elements (e, md, md)."""
+        """Return internal forces (n, d), and stiffness matrices of the elements (e, md, md)."""
         d, e = self.d, len(self.dofs)
         G, w = self.gradients, self.weights
         H = np.einsum("emi,eqmj->eqij", u[self.lattice.elements], G, optimize=True)
@@ -194,7 +195,9 @@ class Solid:
         S = 2 * mu[..., None, None] * E + (lam * trace)[..., None, None] * np.eye(d)
         Sw = S * w[..., None, None]
         forces = np.einsum("eqmj,eqij->emi", G, F @ Sw, optimize=True)
-        total = np.bincount(self.dofs.ravel(), forces.ravel(), d * len(u)).reshape(-1, d)
+        total: FloatArray = np.asarray(
+            np.bincount(self.dofs.ravel(), forces.ravel(), d * len(u)), dtype=np.float64
+        ).reshape(-1, d)
         if not tangent:
             return total, None
         pairs = [(a, b) for a in range(d) for b in range(a, d)]
@@ -219,12 +222,12 @@ class Solid:
         K = K.reshape(e, m, d, m, d)
         for c in range(d):
             K[:, :, c, :, c] += geometric
-        return total, K.reshape(e, m * d, m * d)
+        return total, np.asarray(K.reshape(e, m * d, m * d), dtype=np.float64)
 
     # The free end
 
     def end(self, master: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Displacements of the end's nodes (k, d), their derivatives (k, d, 3) and second ones by theta (k, d)."""
+        """Return the end's displacements (k, d), their derivatives (k, d, 3), second ones by theta (k, d)."""
         arm = self.lattice.nodes[self.end_nodes] - self.center
         c, s = np.cos(master[2]), np.sin(master[2])
         turned = np.zeros_like(arm)
@@ -250,6 +253,7 @@ class Solid:
         u, master = u.copy(), master.copy()
         lengths = np.array([1.0, 1.0, float(np.abs(self.lattice.nodes[:, 1]).max())])
         history: list[float] = []
+        stalled = 0
 
         def residual(v: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray, float]:
             v[self.end_nodes], rate, _ = self.end(q)
@@ -275,7 +279,10 @@ class Solid:
                 if error_new < (1 - 0.1 * step) * error or step < 0.05 or error_new < tolerance:
                     break
                 step *= 0.5
+            stalled = stalled + 1 if error_new > 0.9 * error else 0
             u, master, r, on_end, error = v, q, r_new, end_new, error_new
+            if stalled == 3:
+                break
         raise ConvergenceError("Newton's method stalls", residuals=history)
 
     def _newton_step(

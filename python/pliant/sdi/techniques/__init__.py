@@ -149,8 +149,9 @@ def bend(
           ``variant="paper"``: as published.
         - constant_curvature: ``segments=6``, ``sampling``.
         - matrix: ``elements=6``, ``steps=100``, ``sampling`` of the stiffness of an element (``"harmonic"``,
-          ``"mid"``, ``"mean"``, or ``"exact"``: that of the tapered element), ``geometric=True``, ``shear=False``, ``nodes``; ``variant="paper"``: as
-          published, without geometric terms and with the stiffness in mid-element.
+          ``"mid"``, ``"mean"``, or ``"exact"``: that of the tapered element), ``geometric=True``,
+          ``shear=False``, ``nodes``; ``variant="paper"``: as published, without geometric terms and with the
+          stiffness in mid-element.
         - hybrid: ``coefficient``.
         - elastica: ``panels=12`` a smooth piece, ``shear=False``.
         - ancf: ``elements=24``, ``graded=True``, ``load_steps``.

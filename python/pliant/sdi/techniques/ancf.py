@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,14 +46,14 @@ def graded_nodes(body: Body, elements: int) -> FloatArray:
     even = EVEN * samples.x / body.length
     density = even if change[-1] < 1e-9 else change / change[-1] + even
     inside = np.concatenate([[True], step > 0])
-    nodes = np.interp(
-        np.linspace(0.0, density[-1], elements + 1), density[inside], samples.x[inside]
-    )
+    nodes = np.interp(np.linspace(0.0, density[-1], elements + 1), density[inside], samples.x[inside])
     nodes[0], nodes[-1] = 0.0, body.length
     free = list(range(1, elements))
     for jump in body.jumps:
         if not free:
-            raise ModelError(f"elements = {elements}: must be at least {len(body.jumps) + 1}, one for each step")
+            raise ModelError(
+                f"elements = {elements}: must be at least {len(body.jumps) + 1}, one for each step"
+            )
         nearest = min(free, key=lambda i: abs(nodes[i] - jump))
         nodes[nearest] = jump
         free.remove(nearest)
@@ -67,7 +68,8 @@ def graded_nodes(body: Body, elements: int) -> FloatArray:
         while counts.sum() < elements:
             counts[np.argmax(np.diff(fixed) / counts)] += 1
         pieces = [
-            np.linspace(a, b, n, endpoint=False) for a, b, n in zip(fixed[:-1], fixed[1:], counts, strict=True)
+            np.linspace(a, b, n, endpoint=False)
+            for a, b, n in zip(fixed[:-1], fixed[1:], counts, strict=True)
         ]
         nodes = np.append(np.concatenate(pieces), body.length)
     return np.asarray(nodes)
@@ -164,7 +166,7 @@ def solve(
     x, y = result.positions(cable)[-1, :, :2].T
     inner = [
         [result.track(cable.at(float(a + f * (b - a)))).position[-1, :2] for f in (1 / 3, 2 / 3)]
-        for a, b in zip(nodes[:-1], nodes[1:], strict=True)
+        for a, b in itertools.pairwise(nodes)
     ]
     r = np.stack([x, y], axis=1)
     cubic = np.concatenate([r[:-1, None], np.array(inner), r[1:, None]], axis=1)

@@ -3,8 +3,8 @@ r"""Elastica: an inextensible line whose curvature is the bending moment over th
     x' = cos theta,  y' = sin theta,  theta' = m / k(s),  m = M + F_y (x_L - x) - F_x (y_L - y)
 
 An end moment alone leaves a quadrature. With an end force the slope obeys an integral equation, solved by
-Newton's method for its values at Gauss points: with S the integrals from 0 to each point, T those from each point
-to L,
+Newton's method for its values at Gauss points: with S the integrals from 0 to each point, T those from each
+point to L,
 
     theta = S [(M + F_y T x' - F_x T y') / k].
 
@@ -13,6 +13,7 @@ With shear, r' = t + gamma n, gamma = V / (kappa G A), V = F . n.
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from functools import cache
 from typing import Any
@@ -39,7 +40,10 @@ def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     powers = np.arange(points)
     vandermonde = np.polynomial.legendre.legvander(z, points - 1)
     integrals = np.stack(
-        [np.polynomial.legendre.legval(z, np.polynomial.legendre.legint(np.eye(points)[p], lbnd=-1)) for p in powers],
+        [
+            np.polynomial.legendre.legval(z, np.polynomial.legendre.legint(np.eye(points)[p], lbnd=-1))
+            for p in powers
+        ],
         axis=1,
     )
     return 0.5 + 0.5 * z, 0.5 * w, 0.5 * integrals @ np.linalg.inv(vandermonde)
@@ -52,7 +56,7 @@ class Line:
         z, w, inner = _rule(POINTS)
         edges = np.array([0.0, *breaks, length])
         share = 0.5 - 0.5 * np.cos(np.pi * np.arange(panels + 1) / panels)
-        ends = np.concatenate([a + (b - a) * share[:-1] for a, b in zip(edges[:-1], edges[1:], strict=True)])
+        ends = np.concatenate([a + (b - a) * share[:-1] for a, b in itertools.pairwise(edges)])
         self.ends = np.append(ends, length)
         self.widths = np.diff(self.ends)
         self.s = (self.ends[:-1, None] + self.widths[:, None] * z).ravel()
@@ -81,8 +85,13 @@ def solve(
     if _check.flag(shear, "shear"):
         sections = body.sections
         if sections is None:
-            raise ModelError("shear: the body's cross sections are not known; make it with them, or shear=False")
-        give = lambda s: 1.0 / sections.shear_stiffness(s)  # noqa: E731
+            raise ModelError(
+                "shear: the body's cross sections are not known; make it with them, or shear=False"
+            )
+
+        def give(s: FloatArray) -> FloatArray:
+            return 1.0 / sections.shear_stiffness(s)
+
     panels = _check.count(panels, "panels", at_most=400)
     line = Line(body.length, body.breakpoints, panels)
     inside = INSIDE * body.length
@@ -103,8 +112,8 @@ def solve_line(
         theta = _shoot(line, compliance, load, shear_compliance)
         if shear_compliance is None and not _stable(line, theta, compliance, load):
             warnings.warn(
-                "elastica: this equilibrium is unstable, the force is above that of buckling; a small moment or "
-                "inclination of the force leads to the stable one",
+                "elastica: this equilibrium is unstable, the force is above that of buckling; a small moment "
+                "or inclination of the force leads to the stable one",
                 RuntimeWarning,
                 stacklevel=4,
             )
@@ -112,7 +121,10 @@ def solve_line(
     dx, dy = _tangent(theta, load, shear_compliance)[:2]
     (x, x_ends), (y, y_ends) = line.integral(dx), line.integral(dy)
     order = np.argsort(np.concatenate([line.s, line.ends]), kind="stable")
-    pick = lambda inner, outer: np.concatenate([inner, outer])[order]  # noqa: E731
+
+    def pick(inner: FloatArray, outer: FloatArray) -> FloatArray:
+        return np.concatenate([inner, outer])[order]
+
     moment = _moment(line, theta, load, shear_compliance)
     details = {
         "s": pick(line.s, line.ends),
@@ -158,9 +170,12 @@ def _stable(line: Line, theta: FloatArray, compliance: FloatArray, load: Loading
     Fx, Fy = load.force
     pull = Fx * np.cos(theta) + Fy * np.sin(theta)
     phi, bend = 1.0, 0.0
-    for h, c, p in zip(line.weights[::-1].tolist(), compliance[::-1].tolist(), pull[::-1].tolist(), strict=True):
-        bend -= h * p * phi
+    for h, c, p in zip(
+        line.weights[::-1].tolist(), compliance[::-1].tolist(), pull[::-1].tolist(), strict=True
+    ):
+        bend -= 0.5 * h * p * phi
         phi -= h * c * bend
+        bend -= 0.5 * h * p * phi
         if phi <= 0.0:
             return False
     return True
@@ -204,7 +219,8 @@ def _shoot(line: Line, compliance: FloatArray, load: Loading, shear: FloatArray 
             step *= 0.4
             if step < 1e-4:
                 raise ConvergenceError(
-                    f"elastica: no equilibrium found beyond {reached:.3g} of the load; the force may be above "
+                    f"elastica: no equilibrium found beyond {reached:.3g} of the load; the force may be "
+                    "above "
                     "that of buckling",
                     time=reached,
                     step=step,

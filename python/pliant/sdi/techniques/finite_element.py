@@ -1,7 +1,8 @@
-"""Finite elements: the body as a solid, plane (plane stress) or in space; the reference of the other techniques.
+"""Finite elements: the body as a solid, in plane stress or in space; the reference of the other techniques.
 
-Newton's method starts at the shape of the elastica, its sections kept plane; where that fails, the load grows in
-steps. Saint Venant-Kirchhoff's law loses its stability under compression of 0.3: then there is no equilibrium.
+Newton's method starts at the shape of the elastica, its sections kept plane; where that fails, the load grows
+in steps. Saint Venant-Kirchhoff's law loses its stability under compression of 0.3: then there is no
+equilibrium.
 """
 
 from __future__ import annotations
@@ -23,12 +24,14 @@ __all__ = ["columns", "solid_of", "solve"]
 
 PLANE = (80, 6)
 SPACE = (34, 4, 2)
+SMALLEST = 1 / 16
+"""Smallest step of the load, over the one asked for."""
 IN_NOTCHES = 0.6
 """Share of the columns of elements that lie in the notches."""
 
 
 def columns(body: Body, count: int, breaks: tuple[float, ...]) -> FloatArray:
-    """Ends of columns of elements: at the breaks, and most of them in the notches."""
+    """Return the ends of columns of elements: at the breaks, and most of them in the notches."""
     edges = np.array([0.0, *breaks, body.length])
     lengths = np.diff(edges)
     middles = 0.5 * (edges[:-1] + edges[1:])
@@ -45,7 +48,9 @@ def columns(body: Body, count: int, breaks: tuple[float, ...]) -> FloatArray:
         counts[np.argmax(count * share - counts)] += 1
     while counts.sum() > count and counts.max() > 1:
         counts[np.argmax(counts - count * share - 1e6 * (counts == 1))] -= 1
-    pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)]
+    pieces = [
+        np.linspace(a, b, n, endpoint=False) for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)
+    ]
     return np.append(np.concatenate(pieces), body.length)
 
 
@@ -67,10 +72,13 @@ def solid_of(body: Body, dimension: int, size: tuple[int, ...]) -> Solid:
     sections = body.sections
     if sections is None:
         raise ModelError(
-            f"body = {body.name}: its cross sections are not known; finite elements need height= and youngs_modulus="
+            f"body = {body.name}: its cross sections are not known; finite elements need height= and "
+            "youngs_modulus="
         )
     if dimension == 2 and sections.shape == "circle":
-        raise ModelError("dimension = 2: plane stress is for rectangular sections; a round body takes dimension=3")
+        raise ModelError(
+            "dimension = 2: plane stress is for rectangular sections; a round body takes dimension=3"
+        )
     L, inside = body.length, INSIDE * body.length
     height, width, breaks = sections.height, sections.width, body.breakpoints
     steps = tuple(
@@ -136,7 +144,7 @@ def solve(
     """Bend a solid; see the module."""
     if dimension not in (2, 3) or isinstance(dimension, bool):
         _check.fail("dimension", dimension, "must be 2 or 3")
-    size = PLANE if dimension == 2 else SPACE
+    size: tuple[int, ...] = PLANE if dimension == 2 else SPACE
     if elements is not None:
         given = _check.integers(elements, "elements", (dimension,))
         if given.min() < 1 or given.max() > 4000:
@@ -162,9 +170,10 @@ def solve(
             u, master, history = solid.solve(guess, end, factor * full, tolerance)
         except ConvergenceError as error:
             share *= 0.5
-            if share < 1.0 / 64:
+            if share < SMALLEST / steps:
                 raise ConvergenceError(
-                    f"finite_element: no equilibrium beyond {reached:.3g} of the load. Saint Venant-Kirchhoff's law "
+                    f"finite_element: no equilibrium beyond {reached:.3g} of the load. Saint "
+                    "Venant-Kirchhoff's law "
                     "loses its stability near a compression of 0.3: load less",
                     time=reached,
                     step=share,
@@ -176,7 +185,13 @@ def solve(
     x, y, angle = _axis(solid, u, master)
     unknowns = len(solid.free) + 3
     strain = _largest_strain(solid, u)
-    return x, y, angle, unknowns, {"iterations": iterations, "solid": solid, "displacement": u, "strain": strain}
+    return (
+        x,
+        y,
+        angle,
+        unknowns,
+        {"iterations": iterations, "solid": solid, "displacement": u, "strain": strain},
+    )
 
 
 def _guess(body: Body, load: Loading, factor: float, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:

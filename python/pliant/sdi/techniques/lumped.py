@@ -30,16 +30,16 @@ class Flexure:
 
     def displaced(self, moment: float, force: float, kind: str) -> tuple[float, float, float]:
         """Displacement of the far end along and across [m], and its rotation."""
-        l, k = self.length, self.k
-        theta = moment * l / k + force * l**2 / (2 * k)
+        span, k = self.length, self.k
+        theta = moment * span / k + force * span**2 / (2 * k)
         if kind == "pivot":
-            return 0.5 * l * (1 + np.cos(theta)), 0.5 * l * np.sin(theta), theta
+            return 0.5 * span * (1 + np.cos(theta)), 0.5 * span * np.sin(theta), theta
         if kind == "arc":
             half = 0.5 * theta
-            chord = l * float(np.sinc(half / np.pi))
+            chord = span * float(np.sinc(half / np.pi))
             return chord * np.cos(half), chord * np.sin(half), theta
-        slope = np.arctan(moment * l / (2 * k) + force * l**2 / (3 * k))
-        return l * np.cos(slope), l * np.sin(slope), theta
+        slope = np.arctan(moment * span / (2 * k) + force * span**2 / (3 * k))
+        return span * np.cos(slope), span * np.sin(slope), theta
 
 
 def integrate(body: Body, start: float, end: float, panels: int = 8) -> float:
@@ -62,14 +62,15 @@ def flexures(body: Body, coefficient: float | str | None) -> list[Flexure]:
     """Return the equivalent flexures of a body's notches; None takes the published coefficients."""
     if not body.notches:
         raise ModelError(
-            f"body = {body.name}: has no notch to lump; take another technique, or a Body with notches=[(a, b)]"
+            f"body = {body.name}: has no notch to lump; take another technique, or a Body with "
+            "notches=[(a, b)]"
         )
     found = []
     for notch in body.notches:
         w, k = notch.end - notch.start, lowest(body, notch)
         c = coefficient if coefficient is not None else notch.coefficient
-        l = k * integrate(body, notch.start, notch.end) if c is None or isinstance(c, str) else c * w
-        found.append(Flexure(0.5 * (notch.start + notch.end - l), l, k))
+        span = k * integrate(body, notch.start, notch.end) if c is None or isinstance(c, str) else c * w
+        found.append(Flexure(0.5 * (notch.start + notch.end - span), span, k))
     return found
 
 

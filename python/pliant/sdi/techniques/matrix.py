@@ -1,4 +1,4 @@
-"""Nonlinear matrix structural analysis: the load comes in steps, each linear, in frames that turn with the chords.
+"""Nonlinear matrix structural analysis: steps of the load, each linear, in frames that turn with the chords.
 
     K(alpha) du = f / n,   alpha = atan2 of the chords, the lengths kept
 
@@ -12,6 +12,7 @@ with the accumulated forces N and V at the end of the element.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -38,11 +39,13 @@ def sampled(body: Body, nodes: FloatArray, sampling: str, quantity: str = "stiff
     if sampling == "mid":
         return np.asarray(function(0.5 * (nodes[:-1] + nodes[1:])))
     values = []
-    for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+    for a, b in itertools.pairwise(nodes):
         breaks = tuple(p - a for p in body.breakpoints if a < p < b)
         line = Line(b - a, breaks, PANELS)
         k = function(np.clip(a + line.s, 0.0, body.length))
-        values.append((b - a) / (line.weights @ (1.0 / k)) if sampling == "harmonic" else line.weights @ k / (b - a))
+        values.append(
+            (b - a) / (line.weights @ (1.0 / k)) if sampling == "harmonic" else line.weights @ k / (b - a)
+        )
     return np.array(values)
 
 
@@ -60,9 +63,9 @@ def solve(
 ) -> tuple[FloatArray, FloatArray, FloatArray, int, dict[str, Any]]:
     """Bend a chain of beam elements.
 
-    ``variant="paper"``: the stiffness in mid-element, no geometric terms; ``"consistent"``: harmonic means and
-    geometric terms. The other options overrule it. ``sampling="exact"``: the stiffness matrix of the tapered
-    element, from its compliances. ``nodes``: their places [m], instead of ``elements`` equal ones.
+    ``variant="paper"``: the stiffness in mid-element, no geometric terms; ``"consistent"``: harmonic means
+    and geometric terms. The other options overrule it. ``sampling="exact"``: the stiffness matrix of the
+    tapered element, from its compliances. ``nodes``: their places [m], instead of ``elements`` equal ones.
     """
     paper = _check.choice(variant, "variant", ("consistent", "paper")) == "paper"
     rule = _check.choice(
@@ -80,7 +83,9 @@ def solve(
         raise ModelError('shear: goes with a sampled stiffness; take sampling="harmonic"')
     if shear:
         if body.sections is None:
-            raise ModelError("shear: the body's cross sections are not known; make it with them, or shear=False")
+            raise ModelError(
+                "shear: the body's cross sections are not known; make it with them, or shear=False"
+            )
         middles = 0.5 * (places[:-1] + places[1:])
         phi = 12.0 * k / (body.sections.shear_stiffness(middles) * np.diff(places) ** 2)
     lengths = np.diff(places)
@@ -100,24 +105,24 @@ def node_places(nodes: Any, count: int, length: float) -> FloatArray:
     return places
 
 
-def local_stiffness(l: FloatArray, k: FloatArray, EA: FloatArray, phi: FloatArray) -> FloatArray:
+def local_stiffness(spans: FloatArray, k: FloatArray, EA: FloatArray, phi: FloatArray) -> FloatArray:
     """Stiffness matrices (n, 6, 6) of beam elements; ``phi`` is 12 k / (kappa G A l^2), 0 without shear."""
-    K = np.zeros((len(l), 6, 6))
+    K = np.zeros((len(spans), 6, 6))
     c = k / (1.0 + phi)
     entries = {
-        (1, 1): 12 * c / l**3,
-        (1, 2): 6 * c / l**2,
-        (1, 5): 6 * c / l**2,
-        (2, 2): (4 + phi) * c / l,
-        (2, 5): (2 - phi) * c / l,
-        (5, 5): (4 + phi) * c / l,
-        (4, 4): 12 * c / l**3,
-        (1, 4): -12 * c / l**3,
-        (2, 4): -6 * c / l**2,
-        (4, 5): -6 * c / l**2,
-        (0, 0): EA / l,
-        (3, 3): EA / l,
-        (0, 3): -EA / l,
+        (1, 1): 12 * c / spans**3,
+        (1, 2): 6 * c / spans**2,
+        (1, 5): 6 * c / spans**2,
+        (2, 2): (4 + phi) * c / spans,
+        (2, 5): (2 - phi) * c / spans,
+        (5, 5): (4 + phi) * c / spans,
+        (4, 4): 12 * c / spans**3,
+        (1, 4): -12 * c / spans**3,
+        (2, 4): -6 * c / spans**2,
+        (4, 5): -6 * c / spans**2,
+        (0, 0): EA / spans,
+        (3, 3): EA / spans,
+        (0, 3): -EA / spans,
     }
     for (i, j), value in entries.items():
         K[:, i, j] = K[:, j, i] = value
@@ -127,11 +132,11 @@ def local_stiffness(l: FloatArray, k: FloatArray, EA: FloatArray, phi: FloatArra
 def tapered_stiffness(body: Body, nodes: FloatArray, EA: FloatArray) -> FloatArray:
     """Stiffness matrices (n, 6, 6) of elements whose stiffness varies inside.
 
-    The compliance of the far end against the near one, int (1, u, u^2)/k with u the distance from the far end,
-    is exact; its inverse and equilibrium make the rest.
+    The compliance of the far end against the near one, int (1, u, u^2)/k with u the distance from the far
+    end, is exact; its inverse and equilibrium make the rest.
     """
     K = np.zeros((len(nodes) - 1, 6, 6))
-    for e, (a, b) in enumerate(zip(nodes[:-1], nodes[1:], strict=True)):
+    for e, (a, b) in enumerate(itertools.pairwise(nodes)):
         line = Line(b - a, tuple(p - a for p in body.breakpoints if a < p < b), PANELS)
         give = line.weights / body.stiffness(np.clip(a + line.s, 0.0, body.length))
         u = (b - a) - line.s
@@ -147,14 +152,14 @@ def tapered_stiffness(body: Body, nodes: FloatArray, EA: FloatArray) -> FloatArr
 
 
 def march(
-    l: FloatArray, local: FloatArray, load: Loading, steps: int, geometric: bool
+    spans: FloatArray, local: FloatArray, load: Loading, steps: int, geometric: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Apply the load in steps to elements of these stiffnesses (n, 6, 6); return places and slopes of the nodes."""
-    n = len(l)
+    """Apply the load in steps to elements of stiffnesses (n, 6, 6); return places and slopes of nodes."""
+    n = len(spans)
     along = np.outer(ACROSS, ACROSS)
     across = np.outer(ALONG, ACROSS) + np.outer(ACROSS, ALONG)
     position = np.zeros((n + 1, 3))
-    position[1:, 0] = np.cumsum(l)
+    position[1:, 0] = np.cumsum(spans)
     step = np.zeros(3 * n)
     step[-3:] = np.array([*load.force, load.moment]) / steps
     forces = np.zeros((n, 6))
@@ -174,7 +179,7 @@ def march(
             R[:, o + 2, o + 2] = 1.0
         K = local
         if geometric:
-            N, V = forces[:, 3] / l, forces[:, 4] / l
+            N, V = forces[:, 3] / spans, forces[:, 4] / spans
             K = local + N[:, None, None] * along - V[:, None, None] * across
         whole = np.bincount(places, (R.transpose(0, 2, 1) @ K @ R).ravel(), size * size).reshape(size, size)
         du = np.zeros(size)
