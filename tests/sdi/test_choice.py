@@ -40,10 +40,7 @@ def test_predicted_error_with_an_end_force():
 
 @pytest.mark.slow
 def test_verdicts_on_bodies_that_nothing_was_fitted_on(record):
-    from pliant.sdi.study import Study, _recommender
-
-    study = Study()
-    _recommender(study, quick=False)
+    study = pl.sdi.study.run(only=["recommender"], progress=False)
     table = study.tables["recommender"]
     rate = {}
     for who, what, ten, twenty, _ in table.rows:
@@ -116,8 +113,8 @@ def test_small_map_draws(tmp_path):
     found = pl.sdi.error_map(
         FEW, techniques=("lumped", "matrix paper", "elastica"), options=options, progress=False
     )
-    # The coarse mesh is worth a few points in the last digit.
-    assert found.errors["elastica"] == pytest.approx([0.110, 0.019, 0.019, 0.005], abs=6e-3)
+    # Independently 10.8 to 11 % for the first; the coarse mesh is worth a few in the last digit.
+    assert found.errors["elastica"] == pytest.approx([0.109, 0.019, 0.0126, 0.0047], abs=3e-3)
     assert set(found.regions) == {(t, level) for t in found.errors for level in (0.1, 0.2)}
     for together in (False, True):
         path = tmp_path / f"map{together}.png"
@@ -285,6 +282,14 @@ def test_landscape_has_its_valley_where_the_solutions_are(tmp_path):
 # Studies
 
 
+def test_some_studies(tmp_path):
+    study = pl.sdi.study.run(quick=True, only=["elliptic", "multi_material", "links"], progress=False)
+    assert set(study.tables) == {"elliptic", "multi_material", "links"}
+    assert len(study.save(tmp_path)) == 4
+    assert "Elliptic notches" in str(study)
+
+
+@pytest.mark.slow
 def test_quick_studies_fill_every_table_and_figure(tmp_path):
     study = pl.sdi.study.run(quick=True, progress=False)
     assert len(study.tables) == 12

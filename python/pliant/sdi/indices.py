@@ -13,8 +13,9 @@ import numpy as np
 from pliant import _check
 from pliant.errors import ModelError
 from pliant.sdi import index as _index
-from pliant.sdi.body import Body, Sections, require_body
+from pliant.sdi.body import Body, require_body
 from pliant.sdi.sampling import INSIDE, Along, find_jumps, sample
+from pliant.sdi.sections import Sections
 
 __all__ = ["Criteria", "axial_index", "criteria", "squeezing_index", "torsion_index"]
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
-from pliant._running import progress_bar
 from pliant.errors import ConvergenceError, ModelError
+from pliant.progress import progress_bar
 from pliant.sdi.body import Body, require_body
 from pliant.sdi.shapes import cosine_notch
 from pliant.sdi.techniques import TECHNIQUES, bend

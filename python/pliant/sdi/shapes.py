@@ -9,8 +9,9 @@ import numpy as np
 
 from pliant import _check
 from pliant.errors import ModelError
-from pliant.sdi.body import Body, Layer, Notch, Sections
+from pliant.sdi.body import Body, Notch
 from pliant.sdi.sampling import Along, along, positive
+from pliant.sdi.sections import Layer, Sections
 from pliant.typing import ArrayLike, FloatArray
 
 __all__ = [

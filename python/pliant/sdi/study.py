@@ -5,20 +5,18 @@
 
 from __future__ import annotations
 
-import csv
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
-from pliant._running import progress_bar
+from pliant import _check
 from pliant.errors import ConvergenceError, ModelError
+from pliant.progress import progress_bar
 from pliant.sdi import design
 from pliant.sdi.body import Body
-from pliant.sdi.map import ErrorMap, error_map, notched_bodies
+from pliant.sdi.map import error_map, notched_bodies
 from pliant.sdi.recommend import recommend
 from pliant.sdi.shapes import (
     bump,
@@ -31,10 +29,8 @@ from pliant.sdi.shapes import (
     notches,
     uniform,
 )
+from pliant.sdi.tables import Study, Table, text_of
 from pliant.sdi.techniques import Shape, bend
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = ["Study", "Table", "bodies_not_fitted", "run"]
 
@@ -54,91 +50,6 @@ ROUND = (20, 4, 2)
 """Mesh of round bodies."""
 COARSE = (24, 4)
 """Mesh of strips where only a few bodies are shown, quickly."""
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table of a study."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: list[tuple[Any, ...]]
-
-    def __str__(self) -> str:
-        cells = [[_text(value) for value in row] for row in self.rows]
-        widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(self.columns)]
-        head = "  ".join(
-            c.ljust(w) if i == 0 else c.rjust(w)
-            for i, (c, w) in enumerate(zip(self.columns, widths, strict=True))
-        )
-        lines = [self.title, head]
-        for row in cells:
-            lines.append(
-                "  ".join(
-                    c.ljust(w) if i == 0 else c.rjust(w)
-                    for i, (c, w) in enumerate(zip(row, widths, strict=True))
-                )
-            )
-        return "\n".join(lines)
-
-    def column(self, name: str) -> list[Any]:
-        """Return one column.
-
-        Examples
-        --------
-        >>> Table("squares", ("n", "n2"), [(1, 1), (2, 4)]).column("n2")
-        [1, 4]
-        """
-        i = self.columns.index(name)
-        return [row[i] for row in self.rows]
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, complex):
-        return f"{value.real:.3f}{value.imag:+.4f}i"
-    if isinstance(value, float):
-        return "-" if not np.isfinite(value) else f"{value:.4g}"
-    return str(value)
-
-
-@dataclass
-class Study:
-    """What the studies found.
-
-    Attributes
-    ----------
-    tables : dict of Table
-        By name.
-    figures : dict of Figure
-        By name.
-    """
-
-    tables: dict[str, Table] = field(default_factory=dict)
-    figures: dict[str, Figure] = field(default_factory=dict)
-    maps: dict[str, ErrorMap] = field(default_factory=dict)
-
-    def save(self, folder: str | Path) -> list[Path]:
-        """Write tables as CSV and figures as PNG; return the paths."""
-        target = Path(folder)
-        target.mkdir(parents=True, exist_ok=True)
-        paths = []
-        for name, table in self.tables.items():
-            path = target / f"{name}.csv"
-            with path.open("w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file)
-                writer.writerow(table.columns)
-                writer.writerows(
-                    [_text(v) if isinstance(v, complex) else v for v in row] for row in table.rows
-                )
-            paths.append(path)
-        for name, figure in self.figures.items():
-            path = target / f"{name}.png"
-            figure.savefig(path, dpi=130)
-            paths.append(path)
-        return paths
-
-    def __str__(self) -> str:
-        return "\n\n".join(str(table) for table in self.tables.values())
 
 
 def turning(body: Body, rotation: float = 1.0) -> float:
@@ -177,13 +88,16 @@ def _errors(
     return found
 
 
-def run(*, quick: bool = False, progress: bool | None = None) -> Study:
-    """Run all studies.
+def run(*, quick: bool = False, only: Sequence[str] | None = None, progress: bool | None = None) -> Study:
+    """Run the studies.
 
     Parameters
     ----------
     quick : bool
         A few bodies of each study only, in seconds.
+    only : sequence of str, optional
+        Which: ``"index_of_notches"``, ``"notched"``, ``"amplitude"``, ``"elliptic"``, ``"conical"``,
+        ``"particular"``, ``"multi_material"``, ``"links"``, ``"constrained"``, ``"recommender"``; else all.
     progress : bool, optional
         Show a progress bar; by default on a terminal.
 
@@ -191,23 +105,17 @@ def run(*, quick: bool = False, progress: bool | None = None) -> Study:
     -------
     Study
         With ``tables``, ``figures``, ``save(folder)``; print it.
+
+    Examples
+    --------
+    >>> print(run(quick=True, only=["multi_material"], progress=False).tables["multi_material"].columns[0])
+    E2/E1
     """
-    parts: list[Callable[[Study, bool], None]] = [
-        _index_of_notches,
-        _notched,
-        _amplitude,
-        _elliptic,
-        _conical,
-        _uniform_and_bumps,
-        _multi_material,
-        _links,
-        _constrained,
-        _recommender,
-    ]
+    names = list(PARTS) if only is None else [_check.choice(name, "only", PARTS) for name in only]
     study = Study()
-    with progress_bar(progress, len(parts)) as advance:
-        for part in parts:
-            part(study, quick)
+    with progress_bar(progress, len(names)) as advance:
+        for name in names:
+            PARTS[name](study, quick)
             advance(1)
     return study
 
@@ -461,7 +369,7 @@ def _links(study: Study, quick: bool) -> None:
     ):
         draw_outline(axes, d.body)
         axes.set_aspect("equal", adjustable="datalim")
-        axes.set_title(f"{name}: {_text(d.index)}, error {100 * d.error:.1f} %", fontsize=9.5, loc="left")
+        axes.set_title(f"{name}: {text_of(d.index)}, error {100 * d.error:.1f} %", fontsize=9.5, loc="left")
         axes.set_ylabel("[mm]")
     axes.set_xlabel("x [mm]")
     study.figures["links"] = figure
@@ -618,6 +526,21 @@ def _recommender(study: Study, quick: bool) -> None:
 def advice_order(advice: Any) -> list[str]:
     """Techniques of a recommendation, the cheapest first."""
     return [row.technique for row in advice.table]
+
+
+PARTS: dict[str, Callable[[Study, bool], None]] = {
+    "index_of_notches": _index_of_notches,
+    "notched": _notched,
+    "amplitude": _amplitude,
+    "elliptic": _elliptic,
+    "conical": _conical,
+    "particular": _uniform_and_bumps,
+    "multi_material": _multi_material,
+    "links": _links,
+    "constrained": _constrained,
+    "recommender": _recommender,
+}
+"""The studies by name, in their order."""
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -13,9 +13,10 @@ import numpy as np
 
 from pliant import _check
 from pliant.errors import ConvergenceError, ModelError
-from pliant.sdi.body import Body, Sections
+from pliant.sdi.body import Body
 from pliant.sdi.index import BLEND, blended
 from pliant.sdi.sampling import INSIDE
+from pliant.sdi.sections import Sections
 from pliant.sdi.solid import Lattice, Solid, hexahedron, quadrilateral
 from pliant.sdi.techniques import Loading, elastica
 from pliant.typing import FloatArray
