@@ -1,5 +1,7 @@
 """The choice of a technique: predicted errors, the map, the recommender, and design with soft bodies."""
 
+from itertools import combinations
+
 import numpy as np
 import pliant as pl
 import pytest
@@ -106,6 +108,22 @@ def test_rectangle_finds_what_separates():
         assert [region.holds(z) for z in index] == list(good)
     nothing = best_rectangle(index, index.real > 99)
     assert not any(nothing.holds(z) for z in index)
+
+
+def test_rectangle_is_the_best_of_all():
+    rng = np.random.default_rng(6)
+    index = rng.integers(0, 5, 25) + 1j * rng.integers(1, 5, 25) / 5
+    good = rng.random(25) < 0.5
+    cuts_re, cuts_im = np.arange(-0.5, 5.5), np.arange(0.1, 1.2, 0.2)
+    best = 0.0
+    for a, b in combinations(cuts_re, 2):
+        for c, d in combinations(cuts_im, 2):
+            inside = (index.real > a) & (index.real < b) & (index.imag > c) & (index.imag < d)
+            right = float(np.mean(inside == good))
+            best = max(best, right, 1 - right)
+    region = best_rectangle(index, good)
+    assert region.accuracy == pytest.approx(best)
+    assert np.mean([region.holds(z) == g for z, g in zip(index, good, strict=True)]) == pytest.approx(best)
 
 
 def test_small_map_draws(tmp_path):
@@ -259,6 +277,14 @@ def test_bounds_on_the_index_choose_a_trustworthy_solution():
     assert bound.index.real <= 3.0 + 1e-6
     assert bound.index.imag >= 0.06 - 1e-6
     assert other.error < bound.error < free.error
+
+
+def test_a_link_keeps_bounds_on_its_index_too():
+    load = {"moment": 3e-4, "force": (0.0, 3e-3)}
+    free = pl.sdi.design.link((0.07, 0.055), **load)
+    bound = pl.sdi.design.link((0.07, 0.055), largest_real=3.0, **load)
+    assert free.index.real > 4 > 3.0 + 1e-6 >= bound.index.real
+    assert bound.objective < 1e-10
 
 
 def test_impossible_bounds_say_so():

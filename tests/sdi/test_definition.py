@@ -126,6 +126,13 @@ def test_section_6_5_a_bump_and_a_decreasing_height_have_a_negative_real_part():
     assert pl.sdi.cosine_taper(L, 0.006, H, B, E).index.real < 0
 
 
+def test_pairs_at_one_distance_are_decided_by_the_positive_sign():
+    # k' is smallest in the middle and zero at both ends: both pairs are L/2 apart.
+    falling = pl.sdi.Body(1.0, lambda x: 1 - 0.4 * (x - np.sin(2 * np.pi * x) / (2 * np.pi)))
+    assert falling.index == pytest.approx(2 + 0.6j, rel=TOLERANCE)
+    assert mirrored(falling).index == pytest.approx(2 + 0.6j, rel=TOLERANCE)
+
+
 def test_section_5_1_a_longer_notch_has_a_smaller_real_part_and_a_deeper_one_a_smaller_imaginary_part():
     real = [notched(w, 0.003).index.real for w in (0.01, 0.02, 0.05, 0.1)]
     assert real == sorted(real, reverse=True)

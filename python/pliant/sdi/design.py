@@ -122,6 +122,8 @@ def link(
     technique: str = "lumped",
     start: dict[str, float] | Design | None = None,
     margin: float = 0.05,
+    largest_real: float | None = None,
+    smallest_imaginary: float | None = None,
     **options: Any,
 ) -> Design:
     """Find a round link, thin somewhere in between, whose end reaches a point.
@@ -146,6 +148,8 @@ def link(
         Where the search begins; for ``"matrix"`` also a design by ``"lumped"``.
     margin : float
         Thick part kept at the end [length].
+    largest_real, smallest_imaginary : float, optional
+        Bounds on the index.
     **options
         ``variant="paper"`` and ``geometric``, ``steps`` of the techniques.
 
@@ -210,16 +214,22 @@ def link(
     def objective(v: FloatArray) -> float:
         return float(((np.array(tip(v)) - point) ** 2).sum()) / L**2
 
+    def made(v: FloatArray) -> Body:
+        if technique == "lumped":
+            pieces, across = [v[2], v[1]], [thick, v[0]]
+        else:
+            pieces, across = [v[6], *v[3:6]], [thick, *v[:3]]
+        # While the optimiser strays, the last piece keeps a little length.
+        last = max(L - sum(pieces), 1e-3 * L)
+        return stepped([*pieces, last], [*across, thick], E)
+
     before = time.perf_counter()
     guess = np.array([defaults[name] for name in names])
-    room = [lambda v: (1 - margin) - float(v[spans].sum()) / L]
-    best, count, message = _minimise(objective, guess, bounds, room)
+    constraints: list[Callable[[FloatArray], float]] = [lambda v: (1 - margin) - float(v[spans].sum()) / L]
+    constraints += _index_bounds(made, largest_real, smallest_imaginary)
+    best, count, message = _minimise(objective, guess, bounds, constraints)
     seconds = time.perf_counter() - before
-    if technique == "lumped":
-        pieces, across = [best[2], best[1]], [thick, best[0]]
-    else:
-        pieces, across = [best[6], *best[3:6]], [thick, *best[:3]]
-    body = stepped([*pieces, L - sum(pieces)], [*across, thick], E)
+    body = made(best)
     body.name = f"link by {technique}"
     return _design(
         body,
@@ -295,13 +305,7 @@ def notch(
     make = _strip if body is None else body
     bounds = [_limits(lengths, "lengths"), _limits(depths, "depths")]
     guess = _check.array(start, "start", (2,))
-    constraints: list[Callable[[FloatArray], float]] = []
-    if largest_real is not None:
-        re = _check.number(largest_real, "largest_real")
-        constraints.append(lambda v: (re - _make(make, v).distribution.index.real) / max(abs(re), 1.0))
-    if smallest_imaginary is not None:
-        im = _check.number(smallest_imaginary, "smallest_imaginary", above=0, below=1)
-        constraints.append(lambda v: _make(make, v).distribution.index.imag - im)
+    constraints = _index_bounds(lambda v: _make(make, v), largest_real, smallest_imaginary)
 
     def objective(v: FloatArray) -> float:
         one = _make(make, v)
@@ -326,6 +330,20 @@ def notch(
     moved = float(np.hypot(solid[0] - found.length, solid[1]))
     error = float(np.hypot(solid[0] - tip[0], solid[1] - tip[1])) / moved
     return Design(**{**vars(design), "error": error})
+
+
+def _index_bounds(
+    made: Callable[[FloatArray], Body], largest_real: Any, smallest_imaginary: Any
+) -> list[Callable[[FloatArray], float]]:
+    """Return the constraints that keep the index within bounds."""
+    constraints: list[Callable[[FloatArray], float]] = []
+    if largest_real is not None:
+        re = _check.number(largest_real, "largest_real")
+        constraints.append(lambda v: (re - made(v).distribution.index.real) / max(abs(re), 1.0))
+    if smallest_imaginary is not None:
+        im = _check.number(smallest_imaginary, "smallest_imaginary", above=0, below=1)
+        constraints.append(lambda v: made(v).distribution.index.imag - im)
+    return constraints
 
 
 def _limits(value: Any, name: str) -> tuple[float, float]:

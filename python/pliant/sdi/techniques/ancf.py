@@ -149,7 +149,7 @@ def solve(
 ) -> tuple[FloatArray, FloatArray, FloatArray, int, dict[str, Any]]:
     """Bend a cable of the engine; ``graded=False``: elements of one length."""
     from pliant.model import Model
-    from pliant.simulation import solve_static
+    from pliant.statics import solve_static
 
     count = _check.count(elements, "elements", at_most=10**5)
     even = np.linspace(0.0, body.length, count + 1)
