@@ -32,7 +32,7 @@ from pliant.stepper import Stepper
 from pliant.surfaces import Edge, Faces, Membrane, Shell
 
 if TYPE_CHECKING:
-    from pliant import scenes
+    from pliant import scenes, sdi
 
 __all__ = [
     "Box",
@@ -72,6 +72,7 @@ __all__ = [
     "Tube",
     "resume",
     "scenes",
+    "sdi",
     "simulate",
     "simulate_many",
     "solve_modes",
@@ -83,8 +84,8 @@ __all__ = [
 def __getattr__(name: str) -> object:
     import importlib
 
-    if name == "scenes":
-        return importlib.import_module("pliant.scenes")
+    if name in ("scenes", "sdi"):
+        return importlib.import_module(f"pliant.{name}")
     if name == "__version__":
         from pliant import _core
 

@@ -11,7 +11,7 @@ from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
-from pliant.joints import EdgeJoint, JointData, Pair, SlideCable
+from pliant.joints import Clamp, EdgeJoint, JointData, SlideCable, Sprung
 from pliant.latches import Latch
 from pliant.loads import LineLoad, LoadData, MovingForce, Pressure, SurfaceLoad
 from pliant.points import (
@@ -101,17 +101,18 @@ class Contents:
             if isinstance(body, MassBody):
                 places.append((body.at, (Point, type(None))))
         for joint in self._joints.values():
-            places.append((joint.a, (Point,)))
-            if isinstance(joint, Pair):
-                places.append((joint.b, (Point, WorldPoint)))
-            elif isinstance(joint, SlideCable):
-                if not isinstance(self._bodies[joint.cable], LineBody):
-                    raise ModelError(f"joint '{joint.name}': '{joint.cable}' is no cable")
-            elif isinstance(joint, EdgeJoint):
+            for number, point in enumerate(joint.points()):
+                places.append((point, (Point, WorldPoint) if number else (Point,)))
+            if isinstance(joint, SlideCable) and not isinstance(self._bodies[joint.cable], LineBody):
+                raise ModelError(f"joint '{joint.name}': '{joint.cable}' is no cable")
+            if isinstance(joint, EdgeJoint):
                 for edge in (joint.edge, joint.other):
                     self._verify_part(edge, joint.name)
-            else:
+            if isinstance(joint, Clamp):
                 self._directed_point(joint.a, "point")
+            for key in ("joint", "joint_a", "joint_b"):
+                if hasattr(joint, key) and not isinstance(self._joints.get(getattr(joint, key)), Sprung):
+                    raise ModelError(f"joint '{joint.name}': '{getattr(joint, key)}' is no hinge or slider")
         for load in self._loads.values():
             if isinstance(load, ForceData):
                 places += [(point, (Point, WorldPoint)) for point in load.points()]

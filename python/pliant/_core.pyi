@@ -64,6 +64,9 @@ class System:
         """First number among the outputs and number of numbers of each force, (k, 2)."""
     def redundant(self) -> list[tuple[str, int, list[str]]]:
         """Joints with equations that follow from others at the start: joint, how many, from which joints."""
+    def joint_outputs(self) -> IntArray:
+        """For each joint the first of six numbers among the outputs (force and moment of a drive) and the
+        number of its freedom's value, (k, 2); -1 where there is none."""
     def describe_solver(self) -> str: ...
     def masses(self) -> tuple[float, FloatArray]:
         """Total mass [kg] and first moment at the start, shape (3,) [kg m]."""

@@ -12,6 +12,7 @@ from pliant._lookup import Lookup
 from pliant.bodies import GAUSS_5, MassBody, element_masses, hermite
 from pliant.errors import translated
 from pliant.forces import ForceData, Spring, Tendon
+from pliant.joints import EdgeJoint
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Load, require_handle
 from pliant.readings import Reaction, SpringForce, Strain, SurfaceStrain, TendonForce
@@ -36,15 +37,28 @@ class Forces(Lookup):
         Returns
         -------
         Reaction
-            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Of pins
-            that close a loop of pins at one place, the last carries nothing.
+            ``force`` [N] and ``moment`` [N m] about the joint's point, each (n, 3), in world axes. Spring,
+            damper and stops of a joint are in, drives are not: they have their own. Of pins that close a
+            loop of pins at one place, the last carries nothing.
         """
         plan = self._plan_of(joint)
+        records = self._records
         zero = np.zeros((len(self.time), 3))
         if plan["kind"] == "redundant":
             return Reaction(zero, zero.copy())
+        own = np.zeros((len(self.time), 6))
+        if joint.name in self._lowered.forces:
+            first = self._system.force_offsets()[self._lowered.forces[joint.name], 0]
+            own = records.outputs[:, first + 1 : first + 7]
+        if plan["kind"] == "force":
+            return Reaction(*np.ascontiguousarray(own.reshape(-1, 2, 3).swapaxes(0, 1)))
         if plan["kind"] == "multiplier":
-            return Reaction(*self._multiplier_reaction(plan["index"]))
+            first = self._system.joint_outputs()[plan["index"], 0]
+            if first >= 0:
+                drive = records.outputs[:, first : first + 6]
+                return Reaction(*np.ascontiguousarray(drive.reshape(-1, 2, 3).swapaxes(0, 1)))
+            force, moment = self._multiplier_reaction(plan["index"])
+            return Reaction(force + own[:, :3], moment + own[:, 3:])
         if plan["kind"] == "nodes":
             return self._edge_reaction(joint, plan)
         return Reaction(self._shared_force(plan), zero)
@@ -68,6 +82,7 @@ class Forces(Lookup):
         """Sum over the nodes of an edge; the moment is about its first node."""
         records = self._records
         data = self.model._joints[joint.name]
+        assert isinstance(data, EdgeJoint)
         places = self._nodes(data.a.body, records.q)
         center = self._at(data.a, records.q)
         force, moment = np.zeros_like(center), np.zeros_like(center)

@@ -11,6 +11,7 @@ import numpy as np
 from pliant._edges import EdgeEquations, is_held
 from pliant._lowered import BodyState, Input, Lowered, numbers_of, signals_of
 from pliant._sharing import Sharing
+from pliant._stops import stops
 from pliant.bodies import LineBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
@@ -18,7 +19,12 @@ from pliant.joints import (
     Clamp,
     Cylindrical,
     Distance,
+    DriveAxis,
+    DriveForce,
+    DriveJoint,
+    DrivePoint,
     EdgeJoint,
+    Gear,
     Hinge,
     JointData,
     Pair,
@@ -26,6 +32,7 @@ from pliant.joints import (
     SlideCable,
     SlideLine,
     Slider,
+    Sprung,
     Universal,
     Weld,
 )
@@ -55,6 +62,9 @@ EQUATIONS: dict[type, int] = {
     Distance: 1,
     SlideLine: 2,
     SlideCable: 3,
+    DriveJoint: 1,
+    DriveAxis: 1,
+    Gear: 1,
 }
 
 KINDS: dict[type, str] = {SlideLine: "slide_line"}
@@ -122,9 +132,10 @@ class _Lowering(Sharing):
 
     def _equations(self, joint: JointData) -> int:
         """Count the equations of a joint; a cable has one direction, which cannot twist."""
+        if isinstance(joint, DrivePoint):
+            return joint.equations
         count = EQUATIONS[type(joint)]
-        sides = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
-        for tangent in map(self.model._tangent, sides):
+        for tangent in map(self.model._tangent, joint.points()):
             if tangent is None:
                 continue
             if isinstance(joint, (Clamp, Weld, Slider)):
@@ -252,7 +263,13 @@ class _Lowering(Sharing):
                 continue
             if name in self.tree:
                 continue
+            if isinstance(joint, DriveForce):
+                plan[name] = {"kind": "force"}
+                continue
             plan[name] = {"kind": "multiplier", "index": len(documents)}
+            if not isinstance(joint, Pair | Clamp | SlideCable):
+                documents.append(self._drive(joint))
+                continue
             if isinstance(joint, Clamp):
                 documents.append(
                     {"kind": "clamp", "name": name, "a": self._point(joint.a), "direction": None}
@@ -270,7 +287,8 @@ class _Lowering(Sharing):
                 if np.linalg.norm(here - np.array(b.position)) > 2e-6 * self.size:
                     b = WorldPoint((float(here[0]), float(here[1]), float(here[2])))
             fields = {field.name: getattr(joint, field.name) for field in dataclasses.fields(joint)}
-            del fields["here"]
+            for other in ("here", "stiffness", "damping", "rest", "limits"):
+                fields.pop(other, None)
             fields.update(a=self._point(joint.a), b=self._point(b))
             documents.append({"kind": KINDS.get(type(joint), type(joint).__name__.lower()), **fields})
         for name in self.tree:
@@ -293,6 +311,25 @@ class _Lowering(Sharing):
             for index in numbers_of(self.lowered.plan[name])
         ]
 
+    def _drive(self, joint: DrivePoint | DriveJoint | DriveAxis | DriveForce | Gear) -> Json:
+        """Document of a drive or gear: names of joints become their numbers."""
+        plan = self.lowered.plan
+        kinds = {DrivePoint: "drive_point", DriveJoint: "drive_joint", DriveAxis: "drive_axis", Gear: "gear"}
+        document: Json = {"kind": kinds[type(joint)]}
+        for entry in dataclasses.fields(joint):
+            value = getattr(joint, entry.name)
+            if isinstance(value, Signal):
+                value = self._signal(value, joint.name)
+            elif isinstance(value, Point):
+                value = self._point(value)
+            elif entry.name.startswith("joint"):
+                value = plan[value]["index"]
+            document[entry.name] = value
+        if isinstance(joint, DrivePoint):
+            axes = [document.pop(f"axis_{k}") for k in "xyz"]
+            document["orientation"] = axes if axes[0] is not None else None
+        return document
+
     def _forces(self) -> list[Json]:
         documents: list[Json] = []
         for name, force in self.model._loads.items():
@@ -304,6 +341,24 @@ class _Lowering(Sharing):
                 entries["cable"] = self.lowered.cables[force.body]
                 entries["diameters"] = (2.0 * self.lines[force.body].radius).tolist()
             documents.append({"kind": type(force).__name__.lower(), **entries})
+        for name, joint in self.model._joints.items():
+            along: Json
+            if isinstance(joint, Sprung) and joint.is_sprung:
+                along = {key: getattr(joint, key) for key in ("stiffness", "damping", "rest")}
+                along.update(joint=name, stops=stops(self.model, joint), drive=None)
+            elif isinstance(joint, DriveForce):
+                along = {"stiffness": 0.0, "damping": 0.0, "rest": 0.0, "joint": joint.joint, "stops": None}
+                along["drive"] = self._signal(joint.value, name)
+            else:
+                continue
+            if not self.model._latch(along["joint"]).is_permanent:
+                raise ModelError(
+                    f"joint '{along['joint']}': what acts along it ('{name}') cannot be released: "
+                    "let the joint hold, or take add_spring between its bodies"
+                )
+            along["joint"] = self.lowered.plan[along["joint"]]["index"]
+            self.lowered.forces[name] = len(documents)
+            documents.append({"kind": "joint", "name": name, **along})
         return documents
 
     def _plain(self, value: Any, name: str) -> Any:
@@ -319,6 +374,8 @@ class _Lowering(Sharing):
         return value
 
     def _signal(self, signal: Signal, name: str) -> Json:
+        """Document of a signal of the load or joint of that name; its callables get their numbers."""
+
         def register(one: Function | HeldInput) -> int:
             lowered = self.lowered
             if isinstance(one, HeldInput):

@@ -139,6 +139,10 @@ class Mechanism(Contents):
         b: Any = None,
         axis: ArrayLike = (0.0, 0.0, 1.0),
         *,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        rest: float = 0.0,
+        limits: Any = None,
         engaged: bool = True,
         name: str | None = None,
     ) -> Joint:
@@ -153,6 +157,14 @@ class Mechanism(Contents):
         axis : array_like, shape (3,)
             Axis at the start, in world axes. On a cable along its tangent, or normal to it: the tangent then
             stays normal to the axis.
+        stiffness, damping : float
+            Of a torsion spring and damper about the axis [N m/rad], [N m s/rad].
+        rest : float
+            Angle [rad] where the spring is free; turns are counted.
+        limits : (float, float), optional
+            Lower and upper limit of the angle [rad], None on a side without one. The stops give way a little,
+            ``K p max(0, 1 + chi p')`` for p beyond the limit, stiff enough for the energy at hand
+            (about a hundredth of the range), and take about half of it; they never pull.
         engaged : bool
             Whether it holds from the start; else it is free until :meth:`Joint.engage` or
             :meth:`Stepper.engage`, and its points may be apart.
@@ -181,7 +193,12 @@ class Mechanism(Contents):
             tangent = self._tangent(point)
             if tangent is not None and abs(float(tangent @ unit)) > PARALLEL:
                 self._require_along(point, unit, "axis")
-        return self._add_joint(Hinge(self._new_name(name, "hinge"), first, second, here, unit), engaged, a, b)
+        return self._add_joint(
+            Hinge(self._new_name(name, "hinge"), first, second, here, unit, stiffness, damping, rest, limits),
+            engaged,
+            a,
+            b,
+        )
 
     def slider(
         self,
@@ -189,6 +206,10 @@ class Mechanism(Contents):
         b: Any = None,
         axis: ArrayLike = (1.0, 0.0, 0.0),
         *,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        rest: float = 0.0,
+        limits: Any = None,
         engaged: bool = True,
         name: str | None = None,
     ) -> Joint:
@@ -202,6 +223,14 @@ class Mechanism(Contents):
             Second point, at the same place; None: the world.
         axis : array_like, shape (3,)
             Axis at the start, in world axes; it turns with ``b``.
+        stiffness, damping : float
+            Of a spring and damper along the axis [N/m], [N s/m].
+        rest : float
+            Way [m] where the spring is free; 0 is where the joint starts.
+        limits : (float, float), optional
+            Lower and upper limit of the way [m], None on a side without one. The stops give way a little,
+            ``K p max(0, 1 + chi p')`` for p beyond the limit, stiff enough for the energy at hand
+            (about a hundredth of the range), and take about half of it; they never pull.
         engaged : bool
             Whether it holds from the start; else it is free until :meth:`Joint.engage` or
             :meth:`Stepper.engage`, and its points may be apart.
@@ -227,7 +256,12 @@ class Mechanism(Contents):
         unit = axis_of(axis, "axis")
         self._require_directions(first, second, a, b)
         return self._add_joint(
-            Slider(self._new_name(name, "slider"), first, second, here, unit), engaged, a, b
+            Slider(
+                self._new_name(name, "slider"), first, second, here, unit, stiffness, damping, rest, limits
+            ),
+            engaged,
+            a,
+            b,
         )
 
     def cylindrical(

@@ -11,7 +11,7 @@ from pliant._lookup import Lookup
 from pliant._lowered import BodyState
 from pliant.bodies import GAUSS_5, LineBody, element_masses, hermite
 from pliant.errors import translated
-from pliant.joints import Hinge
+from pliant.joints import DriveForce, DriveJoint, Gear, Hinge
 from pliant.points import Handle, Joint, Point, PointMass, RigidBody
 from pliant.readings import Energy, JointMotion, Track
 from pliant.records import State, by_blocks
@@ -66,29 +66,53 @@ class Motion(Lookup):
         -------
         JointMotion
             ``position`` (zero at the model's start, or where the joint engaged) and ``velocity`` of the first
-            body against the second, each (n,).
+            body against the second, and the ``force`` that spring, damper, stops, drives and gears exert
+            along it, each (n,).
         """
         plan = self._plan_of(joint)
+        records = self._records
         motion = None
         if plan["kind"] == "multiplier":
-            q, v = self._records.q, self._records.v
+            column = int(self._system.joint_outputs()[plan["index"], 1])
+            turns = isinstance(self.model._joints[joint.name], Hinge)
             for rows, switch in self._poses(plan["index"]):
                 read = partial(self._system.joint_motion, plan["index"], switch=switch)
                 with translated():
-                    if read(q[:1], v[:1]) is None:
+                    if read(records.q[:1], records.v[:1]) is None:
                         break
                     if motion is None:
-                        motion = np.zeros((len(q), 2))
-                    motion[rows] = by_blocks(read, q, v, rows=rows)
+                        motion = np.zeros((len(records.time), 2))
+                    motion[rows] = by_blocks(read, records.q, records.v, rows=rows)
+                if switch is not None and turns:
+                    motion[rows, 0] = np.unwrap(motion[rows, 0])
+                elif switch is None and column >= 0:
+                    motion[rows, 0] = records.outputs[rows, column]
         if motion is None:
             _check.fail(
                 "joint",
                 joint,
                 "must be a hinge, a slider or a point that slides along a path: its freedom is one number",
             )
-        if isinstance(self.model._joints[joint.name], Hinge):
-            motion[:, 0] = np.unwrap(motion[:, 0])
-        return JointMotion(*np.ascontiguousarray(motion.T))
+        position, velocity = np.ascontiguousarray(motion.T)
+        return JointMotion(position, velocity, self._along(joint.name))
+
+    def _along(self, name: str) -> FloatArray:
+        """Sum of what acts along the freedom of a joint, (n,)."""
+        total = np.zeros(len(self.time))
+        places, offsets = self._system.force_offsets(), self._system.joint_offsets()
+        for other, data in self.model._joints.items():
+            if other == name or (isinstance(data, DriveForce) and data.joint == name):
+                if other in self._lowered.forces:
+                    total += self._records.outputs[:, places[self._lowered.forces[other], 0]]
+                continue
+            factor = 0.0
+            if isinstance(data, DriveJoint) and data.joint == name:
+                factor = -1.0
+            elif isinstance(data, Gear):
+                factor = -float(data.joint_a == name) + data.ratio * float(data.joint_b == name)
+            if factor:
+                total += factor * self._records.lambda_[:, offsets[self._lowered.plan[other]["index"], 0]]
+        return total
 
     def state(self, i: int) -> State:
         """State at output ``i`` (negative numbers count from the end): a start for another run."""

@@ -178,16 +178,24 @@ def warn_of_projection(
     integrator: Integrator, system: System, lowered: Lowered, v: FloatArray, state: State | None
 ) -> None:
     """Tell by how much joints changed the velocities of points; a restart's roundoff is not worth a word."""
-    firsts = [system.cable_offsets(k)[:, 0] for k in lowered.cables.values()] + [system.shared_offsets()]
+    firsts = [system.cable_offsets(k)[:, 0] for k in lowered.cables.values()]
+    firsts += [system.shared_offsets(), system.rigid_offsets()]
     index = np.concatenate(firsts)[:, None] + np.arange(3)
-    wanted = v[index]
-    change = float(np.linalg.norm(integrator.v[index] - wanted, axis=1).max(initial=0.0))
-    speed = float(np.linalg.norm(wanted, axis=1).max(initial=0.0))
-    if change > 1e-3 * speed and integrator.projection > (1e-9 if state is None else 1e-3) * speed:
-        warnings.warn(
-            f"initial velocities contradict joints; they were projected, by up to {change:.3g} m/s",
-            stacklevel=_levels_to_the_caller(),
-        )
+    axes = system.rigid_offsets()[:, None] + np.arange(3, 12)
+    small = 1e-9 if state is None else 1e-3
+    for places, unit in ((index, "m/s"), (axes, "rad/s")):
+        wanted = v[places]
+        change = float(np.linalg.norm(integrator.v[places] - wanted, axis=1).max(initial=0.0))
+        speed = float(np.linalg.norm(wanted, axis=1).max(initial=0.0))
+        if change > 1e-3 * speed and integrator.projection > small * speed and change > 1e-9:
+            if unit == "rad/s":
+                change /= np.sqrt(2.0)  # |omega x e_i| over the three axes
+            warnings.warn(
+                "initial velocities contradict joints or drives; they were projected, by up to "
+                f"{change:.3g} {unit}",
+                stacklevel=_levels_to_the_caller(),
+            )
+            return
 
 
 def _levels_to_the_caller() -> int:

@@ -12,7 +12,7 @@ from pliant._lowered import BodyState, Lowered, initial_state
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
-from pliant.joints import Clamp, Pair, Pin, SlideCable
+from pliant.joints import Clamp, Pin, SlideCable
 from pliant.loads import Force, Moment, MovingForce
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
@@ -137,8 +137,7 @@ class Sharing:
             if isinstance(load, Moment) and load.at.node is None:
                 inside.append(load.at)
         for joint in self.model._joints.values():
-            points = (joint.a, joint.b) if isinstance(joint, Pair) else (joint.a,)
-            inside += [p for p in points if isinstance(p, Point) and p.node is None]
+            inside += [p for p in joint.points() if isinstance(p, Point) and p.node is None]
         slid = {j.cable for j in self.model._joints.values() if isinstance(j, SlideCable)}
         on_path = {(name, node) for name in slid for node in range(self.lines[name].nodes)}
         inside += [m.at for m in self.masses.values() if m.at is not None and m.at.node is None]
@@ -231,7 +230,7 @@ class Sharing:
         for other, joint in model._joints.items():
             if self.lowered.plan.get(other, {}).get("kind") != "multiplier":
                 continue
-            points = ((joint.a, 1.0), (joint.b, -1.0)) if isinstance(joint, Pair) else ((joint.a, 1.0),)
+            points = zip(joint.points(), (1.0, -1.0), strict=False)
             joints += [[other, sign] for point, sign in points if self._line_node(point) in side]
         return {
             "kind": "shared",

@@ -11,7 +11,7 @@ import numpy as np
 
 from pliant.bodies import LineBody
 from pliant.forces import ForceData, Wind
-from pliant.joints import EdgeJoint, Pair, SlideCable
+from pliant.joints import EdgeJoint, JointData, SlideCable
 from pliant.loads import Force, LineLoad, MovingForce, Pressure, SurfaceLoad
 from pliant.redundancy import redundancies
 from pliant.rigid import RigidBodyData
@@ -70,13 +70,13 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
         else:
             rows.append((name, "point mass", f"{body.mass:.6g} kg at {body.at or body.position}"))
     for name, joint in model._joints.items():
-        text = f"{joint.a} to {joint.b}" if isinstance(joint, Pair) else str(joint.a)
+        text = " to ".join(str(point) for point in joint.points()) or _joined(joint)
         if isinstance(joint, SlideCable):
             text += f" along {joint.cable}"
         if isinstance(joint, EdgeJoint):
             rows.append((name, joint.kind, str(joint.edge)))
             continue
-        how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": ""}[
+        how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": "", "force": ""}[
             lowered.plan[name]["kind"]
         ]
         rows.append((name, type(joint).__name__.lower(), text + (f" ({how})" if how else "")))
@@ -116,6 +116,12 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
         f"{lowered.coordinates} coordinates, {lowered.multipliers} constraints"
     )
     return head, rows
+
+
+def _joined(joint: JointData) -> str:
+    """Names of the joints that a drive or gear acts on."""
+    names = (getattr(joint, key, None) for key in ("joint", "joint_a", "joint_b"))
+    return " to ".join(name for name in names if name is not None)
 
 
 def _value(signal: Signal) -> str:

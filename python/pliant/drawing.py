@@ -293,9 +293,9 @@ def arrows(result: Result, frames: IntArray) -> list[Arrows]:
             found.append(Arrows(name, "force", feet, vectors, np.zeros_like(vectors)))
     part = result._part(rows)
     for name, joint in model._joints.items():
-        if name in result._lowered.plan:
+        if name in result._lowered.plan and joint.points():
             reaction = part.reaction(Joint(name, model.identity))
-            feet = result._at(joint.a, rows.q)
+            feet = result._at(joint.points()[0], rows.q)
             found.append(Arrows(name, "reaction", feet, reaction.force, reaction.moment))
     return found
 
@@ -329,9 +329,9 @@ def joint_points(result: Result, frames: IntArray) -> dict[str, FloatArray]:
     """Find the places of the joints, (frames, 3) by name."""
     q = result._records.q[frames]
     return {
-        name: result._at(joint.a, q)
+        name: result._at(joint.points()[0], q)
         for name, joint in result.model._joints.items()
-        if isinstance(joint.a, Point)
+        if joint.points() and isinstance(joint.points()[0], Point)
     }
 
 

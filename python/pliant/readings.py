@@ -76,10 +76,14 @@ class CriticalPoint:
 
 @dataclass(frozen=True)
 class JointMotion:
-    """Freedom of a joint: angle [rad], unwrapped, or way [m], and its rate, each (n,)."""
+    """Freedom of a joint: angle [rad], unwrapped, or way [m], its rate and all that acts along it, each (n,).
+
+    ``force`` [N m] or [N] is the sum of spring, damper, stops, drives and gears.
+    """
 
     position: FloatArray
     velocity: FloatArray
+    force: FloatArray
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,17 @@ from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.latches import checked_gap
 from pliant.model import Model
 from pliant.points import Handle, Joint, Load, Point, PointMass
-from pliant.readings import Energy, Reaction, Statistics, Strain, SurfaceStrain, TendonForce, Track
+from pliant.readings import (
+    Energy,
+    JointMotion,
+    Reaction,
+    SpringForce,
+    Statistics,
+    Strain,
+    SurfaceStrain,
+    TendonForce,
+    Track,
+)
 from pliant.records import Records, State
 from pliant.result import Result
 from pliant.signals import Function
@@ -352,6 +362,14 @@ class Stepper:
     def track(self, point: Point | PointMass) -> Track:
         """Position, velocity and acceleration of a material point, each (3,)."""
         return _only(self._now.track(point))
+
+    def joint(self, joint: Joint) -> JointMotion:
+        """Position, velocity and force along the freedom of a joint, numbers."""
+        return _only(self._now.joint(joint))
+
+    def spring(self, spring: Load) -> SpringForce:
+        """Length, rate and force of a spring, numbers."""
+        return _only(self._now.spring(spring))
 
     def reaction(self, joint: Joint) -> Reaction:
         """Force and moment that a joint exerts on its first body, each (3,)."""

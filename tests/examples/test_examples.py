@@ -14,6 +14,7 @@ SMALL = {
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "rolled_cantilever": {"elements": (8, 16)},
+    "soft_finger": {"mesh": (40, 4), "duration": 1.2, "step": 2e-3},
     "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
     "tensegrity": {"duration": 0.5, "step": 2e-3},
 }
@@ -143,3 +144,21 @@ def test_the_tensegrity_finds_the_only_form_that_it_can_have(examples, record):
     # The lines that catch it get taut with a kink.
     assert found.order > 1.5
     assert found.gaps[-1] < 1e-3
+
+
+def test_the_errors_of_the_soft_finger_are_predicted(examples, record):
+    _, found = examples["soft_finger"]
+    assert found.advice.technique == "hybrid"
+    for row in found.advice.table[:-1]:
+        # Two constants fitted to other bodies leave a point at most.
+        name = f"example finger, predicted error of {row.technique}"
+        assert record(name, row.error, found.errors[row.technique], 0.01)
+
+
+def test_the_soft_finger_rests_and_swings_as_its_body(examples, record):
+    _, found = examples["soft_finger"]
+    # A cable stretches, and 20 elements leave a little: 1e-3 of the length.
+    assert record("example finger, cable against elastica", found.at_rest, 0.0, 1.5e-4, "m")
+    # Second order of the scheme: (2 pi f h)^2 / 12 and a slight damping.
+    assert record("example finger, small swing", found.swing, found.frequency, 3e-3 * found.frequency, "Hz")
+    assert found.audit < 0.02

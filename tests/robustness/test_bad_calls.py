@@ -37,6 +37,9 @@ def scenery() -> SimpleNamespace:
     square = pl.Mesh.rectangle(1, 1, divisions=(2, 2))
     sheet = model.add_shell(square, thickness=0.01, material=rubber, name="sheet")
     film = model.add_membrane(square, thickness=1e-4, material=rubber, name="film")
+    cart = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)), position=(3, 0, 0), name="cart")
+    wheel = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(4, 0, 0), name="wheel")
+    post = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(7, 0, 0), name="post")
     arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
     return SimpleNamespace(
         m=model,
@@ -47,6 +50,9 @@ def scenery() -> SimpleNamespace:
         sheet=sheet,
         film=film,
         square=square,
+        rail=model.slider(cart),
+        axle=model.hinge(wheel.center),
+        grip=model.clamp(post),
         stranger=stranger,
         k=kinds,
         line=line,
@@ -74,6 +80,28 @@ def rigid(s: SimpleNamespace, **changes: Any) -> Any:
 
 def elastic(**changes: Any) -> Any:
     return pl.LinearElastic(**{"youngs_modulus": 1e7, "poisson_ratio": 0.3, "density": 1e3, **changes})
+
+
+def strip(**changes: Any) -> Any:
+    sizes = {"length": 0.1, "height": 0.01, "width": 0.01, "notch_length": 0.02, "notch_height": 0.004}
+    return pl.sdi.cosine_notch(**{**sizes, "youngs_modulus": 1e6, **changes})
+
+
+def two_cuts(rows: Any) -> Any:
+    return pl.sdi.notches(0.1, 0.01, 0.01, rows, 1e6)
+
+
+def arm() -> Any:
+    return pl.sdi.cone(0.2, 0.03, 0.02, 1e6)
+
+
+def bare() -> Any:
+    return pl.sdi.Body(0.1, lambda x: 1e-3 * (1 + x))
+
+
+def samples(x: Any, k: Any = None, **options: Any) -> Any:
+    places = np.array(list(x), dtype=float)
+    return pl.sdi.Body.from_samples(places, np.ones(len(places)) if k is None else k, **options)
 
 
 def run(s: SimpleNamespace, **changes: Any) -> Any:
@@ -392,6 +420,30 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("gap", "-1", lambda s: stepper(s).engage(pinned(s), gap=-1)),
     ("axis", "'z'", lambda s: s.m.hinge(s.brick.center, axis="z")),
     ("axis", "tangent", lambda s: s.m.hinge(s.rope.end, axis=(1, 1, 0))),
+    ("stiffness", "-1", lambda s: s.m.hinge(s.brick.center, stiffness=-1.0)),
+    ("damping", "nan", lambda s: s.m.hinge(s.brick.center, damping=NAN)),
+    ("rest", "'a'", lambda s: s.m.slider(s.brick.center, rest="a")),
+    ("limits", "(1, -1)", lambda s: s.m.hinge(s.brick.center, limits=(1, -1))),
+    ("limits", "0.5", lambda s: s.m.slider(s.brick.center, limits=0.5)),
+    ("limits", "(0.2, 0.5)", lambda s: s.m.slider(s.brick.center, limits=(0.2, 0.5))),
+    ("b", "is the same point", lambda s: s.m.add_spring(s.ball, s.ball, 1.0)),
+    ("stiffness", "-1", lambda s: s.m.add_spring(s.ball, (0, 0, 0), -1.0)),
+    ("length", "inf", lambda s: s.m.add_spring(s.ball, (0, 0, 0), 1.0, length=INF)),
+    ("target", "'x'", lambda s: s.m.drive("x", position=(0, 0, 0))),
+    ("position", "one or both of", lambda s: s.m.drive(s.rope.end)),
+    ("position", "shape (3,)", lambda s: s.m.drive(s.rope.end, position=(0, 0))),
+    ("orientation", "Rotation", lambda s: s.m.drive(s.brick, orientation=(0, 0, 1))),
+    ("direction", "one of position", lambda s: s.m.drive(s.ball.center, direction=(0, 0, 1))),
+    ("angle", "one of position, rate", lambda s: s.m.drive(s.rail, angle=1.0)),
+    ("angle and torque", "one of", lambda s: s.m.drive(s.axle, angle=1.0, torque=1.0)),
+    ("angle", "smooth=True", lambda s: s.m.drive(s.axle, angle=pl.Table([0, 1], [0, 1]))),
+    ("angle", "jumps", lambda s: s.m.drive(s.axle, angle=pl.Input("a"))),
+    ("torque", "'much'", lambda s: s.m.drive(s.axle, torque="much")),
+    ("target", "hinge or a slider", lambda s: s.m.drive(s.grip, rate=1.0)),
+    ("axis", "must be given", lambda s: s.m.drive(s.brick, rate=1.0)),
+    ("axis", "longer than zero", lambda s: s.m.drive(s.brick, axis=(0, 0, 0), rate=1.0)),
+    ("joint_a", "hinge or a slider", lambda s: s.m.gear(s.grip, s.rail, 1.0)),
+    ("ratio", "0", lambda s: s.m.gear(s.rail, s.axle, 0.0)),
     ("axis", "nan", lambda s: s.m.slider(s.brick, axis=(NAN, 0, 1))),
     ("axis", "tangent", lambda s: s.m.cylindrical(s.rope.end, axis=(0, 0, 1))),
     ("axis_b", "normal", lambda s: s.m.universal(s.brick.center, None, (1, 0, 0), (1, 0, 0))),
@@ -468,6 +520,67 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("load_steps", "0", lambda s: pl.solve_static(s.m, load_steps=0)),
     ("count", "0", lambda s: pl.solve_modes(s.m, count=0)),
     ("about", "7", lambda s: pl.solve_modes(s.m, about=7)),
+    # Soft bodies
+    ("length", "0", lambda s: strip(length=0)),
+    ("notch_height", "0.02", lambda s: strip(notch_height=0.02)),
+    ("center", "0.005", lambda s: strip(center=0.005)),
+    ("youngs_modulus", "'soft'", lambda s: strip(youngs_modulus="soft")),
+    ("poisson_ratio", "0.5", lambda s: strip(poisson_ratio=0.5)),
+    ("semi_axes", "(0.01, 0)", lambda s: pl.sdi.elliptic_notch(0.1, 0.01, 0.01, (0.01, 0), 0.004, 1e6)),
+    ("notches[1]", "before has not ended", lambda s: two_cuts([(0.03, 0.03, 0.005), (0.05, 0.03, 0.005)])),
+    ("notches", "(center, length, height left)", lambda s: two_cuts([(0.03, 0.02)])),
+    ("bump_height", "0.005", lambda s: pl.sdi.bump(0.1, 0.01, 0.01, 0.02, 0.005, 1e6)),
+    ("end_diameter", "0", lambda s: pl.sdi.cone(0.2, 0.03, 0, 1e6)),
+    ("diameters", "give one", lambda s: pl.sdi.stepped((0.1,), None, 1e6)),
+    ("lengths", "(0.1, 0)", lambda s: pl.sdi.stepped((0.1, 0), (0.01, 0.01), 1e6)),
+    ("layers[0]", "0.004", lambda s: pl.sdi.layered(0.1, 0.01, [0.004])),
+    ("stiffness", "0.001", lambda s: pl.sdi.Body(0.1, stiffness=1e-3)),
+    ("stiffness(0.07", "above 0", lambda s: pl.sdi.Body(0.1, lambda x: 1e-3 * (0.07 - x))),
+    ("stiffness(0.05", "nan", lambda s: pl.sdi.Body(0.1, lambda x: 1e-3 + 0 * np.where(x < 0.05, 0, NAN))),
+    ("stiffness", "one number", lambda s: pl.sdi.Body(0.1, lambda x: "soft")),
+    ("height, youngs_modulus", "both", lambda s: pl.sdi.Body(0.1, lambda x: 1e-3, height=0.01)),
+    ("breakpoints[0]", "0.2", lambda s: pl.sdi.Body(0.1, lambda x: 1e-3, breakpoints=[0.2])),
+    ("notches[0]", "(0.06, 0.04)", lambda s: pl.sdi.Body(0.1, lambda x: 1e-3, notches=[(0.06, 0.04)])),
+    ("x", "at least 9", lambda s: samples(np.linspace(0, 0.1, 8))),
+    ("x[4]", "sort the samples", lambda s: samples([0, 1, 2, 4, 3, 5, 6, 7, 8, 9])),
+    ("k[3]", "above 0", lambda s: samples(range(12), [1, 1, 1, -1, 1, 1, 1, 1, 1, 1, 1, 1])),
+    ("k[2]", "nan", lambda s: samples(range(12), [1, 1, NAN, 1, 1, 1, 1, 1, 1, 1, 1, 1])),
+    ("k", "(12,)", lambda s: samples(range(12), [1, 1, 1])),
+    ("smooth", "40", lambda s: samples(range(60), smooth=40)),
+    ("smooth", "101", lambda s: samples(range(60), smooth=101)),
+    ("falls to", "between", lambda s: samples(range(10), [1, 1, 1, 1, 0.01, 0.01, 1, 1, 1, 1])),
+    ("body", "0.1", lambda s: pl.sdi.bend(0.1, moment=1)),
+    ("technique", "'fem'", lambda s: pl.sdi.bend(strip(), moment=1e-3, technique="fem")),
+    ("moment, force", "one of them", lambda s: pl.sdi.bend(strip())),
+    ("moment", "nan", lambda s: pl.sdi.bend(strip(), moment=NAN)),
+    ("force", "(1, 2, 3)", lambda s: pl.sdi.bend(strip(), force=(1, 2, 3))),
+    ("elements", "coefficient", lambda s: pl.sdi.bend(strip(), moment=1, technique="lumped", elements=3)),
+    ("coefficient", "2", lambda s: pl.sdi.bend(strip(), moment=1, technique="lumped", coefficient=2)),
+    ("variant", "'best'", lambda s: pl.sdi.bend(strip(), moment=1, technique="matrix", variant="best")),
+    ("nodes", "ascend", lambda s: pl.sdi.bend(strip(), moment=1, technique="matrix", nodes=(0, 0.05))),
+    ("elements", "0", lambda s: pl.sdi.bend(strip(), moment=1, technique="ancf", elements=0)),
+    ("dimension", "4", lambda s: pl.sdi.bend(strip(), moment=1, technique="finite_element", dimension=4)),
+    ("dimension", "round", lambda s: pl.sdi.bend(arm(), moment=1, technique="finite_element")),
+    ("body", "no notch", lambda s: pl.sdi.bend(arm(), moment=1, technique="lumped")),
+    ("shear", "cross sections", lambda s: pl.sdi.bend(bare(), moment=1, shear=True)),
+    ("body", "youngs_modulus=", lambda s: pl.sdi.bend(bare(), moment=1, technique="finite_element")),
+    ("body", "mass", lambda s: bare().add_to(s.m)),
+    ("technique", "'rod'", lambda s: strip().add_to(s.m, technique="rod")),
+    ("model", "'m'", lambda s: strip().add_to("m")),
+    ("up", "along direction", lambda s: strip().add_to(s.m, direction=(0, 0, 1))),
+    ("density", "0", lambda s: strip().add_to(s.m, density=0)),
+    ("tolerance", "0", lambda s: pl.sdi.recommend(strip(), moment=1e-3, tolerance=0)),
+    ("techniques", "'fem'", lambda s: pl.sdi.recommend(strip(), moment=1e-3, techniques=("fem",))),
+    ("moment, force", "does not move", lambda s: pl.sdi.recommend(strip(), moment=0)),
+    ("bodies", "empty", lambda s: pl.sdi.error_map([])),
+    ("target", "away", lambda s: pl.sdi.design.link((0.2, 0), moment=1e-4)),
+    (
+        "diameters",
+        "(0.01, 0.01)",
+        lambda s: pl.sdi.design.link((0.07, 0.05), moment=1, diameters=(0.01, 0.01)),
+    ),
+    ("start", "'width'", lambda s: pl.sdi.design.link((0.07, 0.05), moment=1e-4, start={"width": 1.0})),
+    ("depths", "(0.9, 0.2)", lambda s: pl.sdi.design.notch(0.03, moment=1e-3, depths=(0.9, 0.2))),
 ]
 
 

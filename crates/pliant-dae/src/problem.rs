@@ -150,6 +150,11 @@ pub trait Problem: Send {
         let _ = (before, after);
     }
 
+    /// An equilibrium was found, from which the search goes on.
+    fn equilibrium(&mut self, at: Point<'_>) {
+        let _ = at;
+    }
+
     /// Number of parameters whose sensitivities can be asked for.
     fn parameters(&self) -> usize {
         0

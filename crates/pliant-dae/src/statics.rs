@@ -122,6 +122,7 @@ pub fn solve_static<P: Problem + ?Sized>(
                 lambda_.clone_from(&point.lambda_);
                 load = target;
                 cut = (2.0_f64 * cut).min(1.0);
+                search.found(load, &q, &lambda_);
                 path.push(point);
                 if load == options.to {
                     return Ok(path);
@@ -173,6 +174,12 @@ enum Outcome {
 }
 
 impl<'a, P: Problem + ?Sized> Search<'a, P> {
+    /// Tells the problem of an equilibrium from which the search goes on.
+    fn found(&mut self, load: f64, q: &[f64], lambda_: &[f64]) {
+        let (v, a) = (&self.zero[..], &self.zero[..]);
+        self.problem.equilibrium(Point { t: load, q, v, a, lambda_ });
+    }
+
     fn new(
         problem: &'a mut P,
         solver: &'a mut dyn LinearSolver,

@@ -62,10 +62,11 @@ impl<P: Problem> Integrator<P> {
 
     fn correct_start(&mut self, h: f64) -> Result<(), Error> {
         let shift = self.coefficients.shift();
-        let dv = self.normal_velocity_correction(h * h * self.coefficients.error_constant())?;
+        let factor = h * h * self.coefficients.error_constant();
+        let dv = self.normal_velocity_correction(factor)?;
         let jerk = self.initial_jerk(JERK_SPAN * h)?;
         self.settle_acceleration(h)?;
-        if self.is_resolved(&jerk, h) {
+        if self.is_resolved(&jerk, &dv, factor, h) {
             for (a_alg, j) in self.state.a_alg.iter_mut().zip(&jerk) {
                 *a_alg += shift * h * j;
             }
@@ -235,10 +236,16 @@ impl<P: Problem> Integrator<P> {
     }
 
     /// Whether the step is short against the fastest motion that the start excites; else the jerk says nothing
-    /// about the step, and the scheme's own damping does better without it.
-    fn is_resolved(&self, jerk: &[f64], h: f64) -> bool {
+    /// about the step, and the scheme's own damping does better without it. What constraints ask for (`dv` is `factor`
+    /// times the jerk normal to them) is no such motion: a drive may begin from rest.
+    fn is_resolved(&self, jerk: &[f64], dv: &[f64], factor: f64, h: f64) -> bool {
         let weight = &self.work.inverse_scale;
         let size = |x: &[f64]| weighted_max(x, weight);
-        h * size(jerk) <= size(&self.state.a).max(size(&self.state.v) / h)
+        let still = size(&self.state.a).max(size(&self.state.v) / h);
+        if dv.is_empty() {
+            return h * size(jerk) <= still;
+        }
+        let free: Vec<f64> = jerk.iter().zip(dv).map(|(j, d)| j - d / factor).collect();
+        h * size(&free) <= still.max(h * weighted_max(dv, weight) / factor.abs())
     }
 }

@@ -1,6 +1,7 @@
 //! From a model document to a [`Model`]: coordinates, blocks, masses, joints, loads and the sparsity of it all.
 
 mod cables;
+mod joints;
 mod surfaces;
 
 use crate::document::{Arrays, row};
@@ -8,9 +9,8 @@ use crate::dof_map::{CableMap, DofMap};
 use crate::error::ModelError;
 use crate::forces;
 use crate::joints::Draft;
-use crate::joints::rigidity::rigidity;
 use crate::joints::side::Frame;
-use crate::latches::{Scheduled, draft};
+use crate::latches::Scheduled;
 use crate::loads::Load;
 use crate::loads::edge_moment::{EdgeMoment, EdgePoint};
 use crate::loads::force::{BodyForce, DeadForce, FollowerForce};
@@ -19,7 +19,8 @@ use crate::loads::moment::{BodyMoment, Moment};
 use crate::loads::moving::MovingForce;
 use crate::loads::pressure::{Face, Pressure};
 use crate::model::{
-    Blocks, FacePlace, LatchState, Mass, Model, Placed, PlacedForce, PlacedJoint, PlacedLoad,
+    Blocks, FacePlace, LatchState, Mass, Model, Placed, PlacedForce, PlacedFreedom, PlacedJoint,
+    PlacedLoad,
 };
 use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
@@ -57,8 +58,8 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     }
     let mut map = DofMap::new(spec, arrays, points.len() / 3)?;
     let (initial_q, initial_v) = initial(spec, arrays, &map, points)?;
-    let joints = draft_joints(spec, &map, &initial_q)?;
-    let multipliers = joints.iter().map(|(_, joint)| joint.count()).sum();
+    let drafts = joints::draft_joints(spec, &map, &initial_q)?;
+    let multipliers = drafts.joints.iter().map(|(_, joint)| joint.count()).sum();
     let mut structure = Structure::new(map.coordinates, multipliers);
     map.add_groups(&mut structure);
     let (cables, strands) = blocks(spec, arrays, &map, &mut structure)?;
@@ -96,10 +97,11 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .map(|(cable, cable_map)| axial_energy(cable, arrays, &cable_map.lengths))
         .sum::<Result<f64, _>>()?;
     let rigid_bodies = builder.rigid_bodies(spec)?;
-    let (joints, constraint_scale) = builder.joints(joints, length);
+    let (joints, constraint_scale) = builder.joints(drafts.joints, length);
+    let joint_memory = joints.last().map_or(0, |joint| joint.memory.end);
     let (latches, schedule) = latches(spec)?;
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
-    let forces = builder.forces(&spec.forces)?;
+    let forces = builder.forces(&spec.forces, &drafts.freedoms)?;
     let mut winches = Vec::new();
     for ((cable, cable_map), strands) in spec.cables.iter().zip(&map.cables).zip(&strands) {
         winches.extend(Winch::of_cable(cable, &cable_map.lengths, strands)?);
@@ -126,6 +128,9 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         uses_rates,
         has_transit,
         forces,
+        freedoms: drafts.freedoms,
+        integrals: drafts.integrals,
+        joint_memory,
         gravity: spec.gravity,
         structure,
         multipliers,
@@ -210,21 +215,6 @@ fn initial(
         });
     }
     Ok((q, v))
-}
-
-/// Joints with their names.
-type Drafts = Vec<(String, Box<dyn Draft>)>;
-
-/// The joints of a document, then the rigidity of each rigid body, over all coordinates.
-fn draft_joints(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> Result<Drafts, ModelError> {
-    let mut drafts = Vec::with_capacity(spec.joints.len() + map.rigid.len());
-    for joint in &spec.joints {
-        drafts.push((joint.name().to_owned(), draft(joint, map, q, None)?));
-    }
-    for (k, name) in map.rigid_names.iter().enumerate() {
-        drafts.push((format!("rigidity of '{name}'"), Box::new(rigidity(&map.axes(k)))));
-    }
-    Ok(drafts)
 }
 
 /// Which joints hold at the start, and what happens to them in the order of time.
@@ -329,9 +319,14 @@ impl Builder<'_> {
     }
 
     /// Gives each joint its multipliers and its element matrix.
-    fn joints(&mut self, drafts: Drafts, length: f64) -> (Vec<PlacedJoint>, Vec<f64>) {
+    fn joints(
+        &mut self,
+        drafts: Vec<(String, Box<dyn Draft>)>,
+        length: f64,
+    ) -> (Vec<PlacedJoint>, Vec<f64>) {
         let mut joints = Vec::with_capacity(drafts.len());
         let mut scale = Vec::new();
+        let mut remembered = 0;
         for (name, draft) in drafts {
             let support = self.support(draft.interpolations());
             let windows: Vec<Support> =
@@ -355,7 +350,10 @@ impl Builder<'_> {
             if elements.is_empty() {
                 elements.push(add(joint.support()));
             }
-            joints.push(PlacedJoint { name, joint, first, element: elements[0], windows: locals });
+            let memory = remembered..remembered + joint.memory();
+            remembered = memory.end;
+            let (element, windows) = (elements[0], locals);
+            joints.push(PlacedJoint { name, joint, first, element, windows, memory });
         }
         (joints, scale)
     }
@@ -384,12 +382,16 @@ impl Builder<'_> {
         Ok(bodies)
     }
 
-    fn forces(&mut self, specs: &[ForceSpec]) -> Result<Vec<PlacedForce>, ModelError> {
+    fn forces(
+        &mut self,
+        specs: &[ForceSpec],
+        freedoms: &[PlacedFreedom],
+    ) -> Result<Vec<PlacedForce>, ModelError> {
         let mut first_output = 0;
         let mut placed = Vec::with_capacity(specs.len());
         for (number, spec) in specs.iter().enumerate() {
             let support = |points: &[&Interpolation]| self.support(points.iter().copied());
-            let context = forces::Context { map: self.map, support: &support };
+            let context = forces::Context { map: self.map, support: &support, freedoms };
             for force in forces::of_spec(spec, &context)? {
                 let groups = &force.support().groups;
                 let element = self.structure.add_element(groups, force.storage());

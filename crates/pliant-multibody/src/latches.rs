@@ -54,11 +54,13 @@ pub(crate) fn draft(
     q: &[f64],
     latch: Option<Latch>,
 ) -> Result<Box<dyn Draft>, ModelError> {
-    let Some((name, a, b)) = joint.points() else {
+    if let JointSpec::Hold { .. } = joint {
         return Ok(Box::new(hold(joint, map, q)?));
-    };
+    }
+    let (name, a, b) = joint.points();
     let place = format!("joint '{name}'");
     let refuse = |reason| ModelError::Unsupported { place: place.clone(), reason };
+    let a = a.ok_or_else(|| refuse("it has no points of its own"))?;
     let (r, frame) = map.point(a, &place)?;
     if let JointSpec::SlideCable { cable, slide, .. } = joint {
         if latch.is_some() {

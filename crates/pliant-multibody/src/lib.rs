@@ -6,6 +6,8 @@ pub mod document;
 pub mod dof_map;
 pub mod error;
 pub mod forces;
+pub mod freedom;
+pub mod jet;
 pub mod joints;
 pub mod latches;
 pub mod loads;

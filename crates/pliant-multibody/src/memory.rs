@@ -1,7 +1,7 @@
 //! What a run remembers beside the state of the integrator: inputs, and integrals over its steps.
 
 use crate::latches::Switch;
-use crate::model::Model;
+use crate::model::{Model, PlacedJoint};
 use crate::winch::Pace;
 use pliant_dae::error::Error;
 use pliant_dae::problem::Point;
@@ -14,6 +14,21 @@ pub struct Audit {
     pub dissipated: f64,
     /// Work of loads [J].
     pub work: f64,
+}
+
+/// What joints and forces remember of the last accepted point.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Last {
+    /// Its time [s].
+    pub t: f64,
+    /// Freedoms of the joints, angles with all their turns.
+    pub angles: Vec<f64>,
+    /// Integrals of signals up to there.
+    pub integrals: Vec<f64>,
+    /// Values of these signals there.
+    pub rates: Vec<f64>,
+    /// What joints remember, one after the other.
+    pub joints: Vec<f64>,
 }
 
 /// What a run remembers beside the state of the integrator.
@@ -34,6 +49,10 @@ pub struct Memory {
     /// Generalized forces of the loads and of damping at the last accepted point.
     pub(crate) loads: Vec<f64>,
     pub(crate) damping: Vec<f64>,
+    /// What joints and forces remember.
+    pub(crate) last: Last,
+    /// The same when the tangent was last asked for.
+    last_at_tangent: Last,
     /// Stored energy there of forces that store more or less as time goes by.
     pub(crate) potential: f64,
     /// Factor of the length of each winch there, and the forces on it, elastic and of damping [J].
@@ -63,6 +82,10 @@ impl Memory {
             ("loads", full(&self.loads), self.loads.len()),
             ("damping", full(&self.damping), self.damping.len()),
             ("winches", model.winches.len(), self.winches.len()),
+            ("freedoms", model.freedoms.len(), self.last.angles.len()),
+            ("integrals", model.integrals.len(), self.last.integrals.len()),
+            ("rates", model.integrals.len(), self.last.rates.len()),
+            ("numbers of joints", model.joint_memory, self.last.joints.len()),
         ] {
             if expected != got {
                 return Err(Error::Length { what, expected, got });
@@ -89,16 +112,26 @@ impl Memory {
         Ok(())
     }
 
+    /// What a joint remembers; nothing where the run has not begun.
+    pub(crate) fn of(&self, joint: &PlacedJoint) -> &[f64] {
+        self.last.joints.get(joint.memory.clone()).unwrap_or_default()
+    }
+
     /// Notes what the tangent is made with.
     pub(crate) fn note_tangent(&mut self) {
         self.held_at_tangent.clone_from(&self.held);
         self.pace_at_tangent.clone_from(&self.pace);
+        self.last_at_tangent.clone_from(&self.last);
     }
 
     /// The same with the inputs of the time when the kept factorisation was made.
     pub(crate) fn at_tangent(&self) -> Self {
-        let (held, pace) = (self.held_at_tangent.clone(), self.pace_at_tangent.clone());
-        Self { held, pace, ..self.clone() }
+        Self {
+            held: self.held_at_tangent.clone(),
+            pace: self.pace_at_tangent.clone(),
+            last: self.last_at_tangent.clone(),
+            ..self.clone()
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::forces::ForceElement;
+use crate::freedom::Freedom;
 use crate::joints::Joint;
 use crate::latches::Scheduled;
 use crate::loads::Load;
@@ -97,6 +98,21 @@ pub(crate) struct PlacedJoint {
     pub element: usize,
     /// For each window the local numbers of its unknowns.
     pub windows: Vec<Vec<usize>>,
+    /// Where its numbers are among those that joints remember.
+    pub memory: Range<usize>,
+}
+
+/// The freedom of a joint, over all coordinates.
+pub(crate) struct PlacedFreedom {
+    /// Number of the joint; none where a drive alone knows it.
+    pub joint: Option<usize>,
+    pub y: Freedom,
+}
+
+/// A signal whose integral is asked for; it begins at the value of a freedom.
+pub(crate) struct PlacedIntegral {
+    pub rate: Value,
+    pub from: Freedom,
 }
 
 /// How a joint is released and engaged.
@@ -154,6 +170,10 @@ pub struct Model {
     /// Whether power passes forces from outside into loss.
     pub(crate) has_transit: bool,
     pub(crate) forces: Vec<PlacedForce>,
+    pub(crate) freedoms: Vec<PlacedFreedom>,
+    pub(crate) integrals: Vec<PlacedIntegral>,
+    /// How many numbers joints remember.
+    pub(crate) joint_memory: usize,
     pub(crate) gravity: [f64; 3],
     pub(crate) structure: Structure,
     pub(crate) multipliers: usize,
@@ -231,6 +251,26 @@ impl Model {
     #[must_use]
     pub fn joint_multipliers(&self) -> Vec<[usize; 2]> {
         self.joints.iter().map(|j| [j.first, j.joint.equations()]).collect()
+    }
+
+    /// For each joint the first of six numbers among the outputs (force and moment of a drive) and the number of its
+    /// freedom's value, -1 where there is none.
+    #[must_use]
+    pub fn joint_outputs(&self) -> Vec<[i64; 2]> {
+        let mut next = self.forces.iter().map(|f| f.force.output_count() as i64).sum::<i64>();
+        let mut places = vec![[-1, -1]; self.joints.len()];
+        for (place, joint) in places.iter_mut().zip(&self.joints) {
+            if joint.joint.is_driven() {
+                place[0] = next;
+                next += 6;
+            }
+        }
+        for (number, freedom) in self.freedoms.iter().enumerate() {
+            if let Some(joint) = freedom.joint {
+                places[joint][1] = next + number as i64;
+            }
+        }
+        places
     }
 
     /// First number and number of numbers among the outputs of each force.

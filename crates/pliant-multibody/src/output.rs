@@ -3,6 +3,7 @@
 use crate::joints::Joint;
 use crate::latches::Switch;
 use crate::model::{FacePlace, Model};
+use crate::signal::Moment;
 use crate::vector::vector;
 use crate::winch::Wound;
 use pliant_elements::materials::Regime;
@@ -164,7 +165,7 @@ impl Model {
         let m = placed.joint.equations();
         let posed = switch.and_then(|switch| self.posed(switch).ok());
         let joint: &dyn Joint = posed.as_deref().unwrap_or(placed.joint.as_ref());
-        joint.reaction(t, &x, &lambda_[placed.first..placed.first + m])
+        joint.reaction(Moment::at(t), &x, &lambda_[placed.first..placed.first + m])
     }
 
     /// The freedom of a joint and its rate (angle or way), if it leaves a single one.

@@ -56,7 +56,7 @@ impl Records {
         let audit = memory.audit;
         self.energy.extend([kinetic, elastic, gravitational, audit.dissipated, audit.work]);
         self.inputs.extend_from_slice(&memory.held);
-        system.outputs(state.t, &state.q, &state.v, &mut self.outputs);
+        system.outputs(state.point(), &mut self.outputs);
     }
 }
 
@@ -200,6 +200,7 @@ impl Run {
         let q = start.q.unwrap_or(&model.initial_q).to_vec();
         let v = start.v.unwrap_or(&model.initial_v).to_vec();
         let (pool, mut system, solver) = prepare(model, options, start.inputs, memory)?;
+        system.begin(0.0, &q);
         while let Some(event) = system.next_event().filter(|event| event.t <= 0.0) {
             let switched = system.switch(event, &q);
             switched.map_err(|error| refused(0.0, &error))?;
@@ -207,8 +208,8 @@ impl Run {
         }
         let (mut integrator, start) =
             on(pool.as_ref(), || Integrator::new(system, solver, options.integrator, 0.0, &q, &v))?;
-        let v = integrator.state().v.clone();
-        integrator.problem_mut().note_loads(0.0, &q, &v);
+        let here = integrator.state().clone();
+        integrator.problem_mut().note_loads(here.point());
         let mut balance = Balance::default();
         let energy = integrator.problem().energy(0.0, &q, &integrator.state().v);
         balance.begin(energy);

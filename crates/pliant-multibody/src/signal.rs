@@ -1,6 +1,7 @@
 //! Values over time: what a [`Signal`] of the document evaluates to.
 
 use crate::error::ModelError;
+use crate::jet::Jet;
 use crate::spec::Signal;
 
 /// The moment of evaluation.
@@ -14,9 +15,32 @@ pub struct Moment<'a> {
     pub inputs: &'a [f64],
     /// Rates of these; none where time stands still, as in statics.
     pub rates: Option<&'a [f64]>,
+    /// Their first three derivatives, where a drive asked for them; empty: zero.
+    pub derivatives: &'a [Vec<f64>],
+    /// Integrals of signals since the start.
+    pub integrals: &'a [f64],
+    /// Freedoms of the joints at the last accepted point: angles are counted from there.
+    pub angles: &'a [f64],
+    /// What the joint in question remembers.
+    pub memory: &'a [f64],
 }
 
 impl Moment<'_> {
+    /// A time without inputs and memory.
+    #[must_use]
+    pub fn at(t: f64) -> Self {
+        Self {
+            t,
+            constants: 1.0,
+            inputs: &[],
+            rates: Some(&[]),
+            derivatives: &[],
+            integrals: &[],
+            angles: &[],
+            memory: &[],
+        }
+    }
+
     /// Rate of the first component of a value that is no load: constants are constant.
     #[must_use]
     pub fn rate(&self, value: &Value) -> f64 {
@@ -47,6 +71,8 @@ pub enum Value {
     Sum(Vec<Value>),
     /// See [`Signal::Product`].
     Product(Vec<Value>),
+    /// The integral of a signal since the start, and its number.
+    Integral(usize, Box<Value>),
 }
 
 impl Value {
@@ -98,6 +124,7 @@ impl Value {
                 let x = x.at(now);
                 [sum[0] + x[0], sum[1] + x[1], sum[2] + x[2]]
             }),
+            Self::Integral(number, _) => [now.integrals.get(*number).copied().unwrap_or(0.0); 3],
             // A constant factor scales a function of time; it is not itself a load to be scaled again.
             Self::Product(factors) => {
                 let varying = factors.iter().any(|f| !f.is_constant());
@@ -117,6 +144,7 @@ impl Value {
             Self::Constant(_) | Self::Input { .. } => None,
             Self::Table(table) => table.next_break(t),
             Self::Ramp(duration) => [0.0, *duration].into_iter().find(|&end| is_after(end, t)),
+            Self::Integral(_, rate) => rate.next_break(t),
             Self::Sum(parts) | Self::Product(parts) => {
                 parts.iter().filter_map(|part| part.next_break(t)).reduce(f64::min)
             }
@@ -152,6 +180,65 @@ impl Value {
                 }
                 sum
             }
+            Self::Integral(_, rate) => rate.at(now),
+        }
+    }
+
+    /// Value and first three time derivatives; those of steps of slope are from the right.
+    #[must_use]
+    pub fn jet(&self, now: Moment<'_>) -> [[f64; 3]; 4] {
+        match self {
+            Self::Constant(x) => [x.map(|x| now.constants * x), [0.0; 3], [0.0; 3], [0.0; 3]],
+            Self::Input { first, scalar } => {
+                let mut jet = [self.at(now), [0.0; 3], [0.0; 3], [0.0; 3]];
+                for (order, rates) in now.derivatives.iter().enumerate().take(3) {
+                    let get = |k: usize| rates.get(first + k).copied().unwrap_or(0.0);
+                    jet[order + 1] = if *scalar { [get(0); 3] } else { [get(0), get(1), get(2)] };
+                }
+                jet
+            }
+            Self::Table(table) => table.jet(now.t),
+            Self::Ramp(duration) => {
+                let mut jet = [self.at(now), [0.0; 3], [0.0; 3], [0.0; 3]];
+                let s = now.t / duration;
+                if (0.0..1.0).contains(&s) {
+                    let rest = 1.0 - s;
+                    jet[1] = [30.0 * s * s * rest * rest / duration; 3];
+                    jet[2] = [60.0 * s * rest * (1.0 - 2.0 * s) / duration.powi(2); 3];
+                    jet[3] = [60.0 * (1.0 + s * (6.0 * s - 6.0)) / duration.powi(3); 3];
+                }
+                jet
+            }
+            Self::Sum(terms) => terms.iter().fold([[0.0; 3]; 4], |sum, x| {
+                let x = x.jet(now);
+                std::array::from_fn(|n| std::array::from_fn(|k| sum[n][k] + x[n][k]))
+            }),
+            Self::Product(factors) => {
+                let varying = factors.iter().any(|f| !f.is_constant());
+                let now = if varying { Moment { constants: 1.0, ..now } } else { now };
+                let one = [[1.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]];
+                factors.iter().fold(one, |product, x| {
+                    let x = x.jet(now);
+                    let component =
+                        |k: usize| Jet(product.map(|p| p[k])).times(Jet(x.map(|x| x[k]))).0;
+                    let columns = [component(0), component(1), component(2)];
+                    std::array::from_fn(|n| columns.map(|column| column[n]))
+                })
+            }
+            Self::Integral(_, rate) => {
+                let [rate, first, second, _] = rate.jet(now);
+                [self.at(now), rate, first, second]
+            }
+        }
+    }
+
+    /// Whether any input in it satisfies a predicate on its first number.
+    pub(crate) fn any_input(&self, predicate: &dyn Fn(usize) -> bool) -> bool {
+        match self {
+            Self::Input { first, .. } => predicate(*first),
+            Self::Sum(x) | Self::Product(x) => x.iter().any(|x| x.any_input(predicate)),
+            Self::Integral(_, x) => x.any_input(predicate),
+            Self::Constant(_) | Self::Table(_) | Self::Ramp(_) => false,
         }
     }
 
@@ -159,7 +246,7 @@ impl Value {
         match self {
             Self::Constant(_) => true,
             Self::Sum(x) | Self::Product(x) => x.iter().all(Self::is_constant),
-            Self::Input { .. } | Self::Table(_) | Self::Ramp(_) => false,
+            Self::Input { .. } | Self::Table(_) | Self::Ramp(_) | Self::Integral(..) => false,
         }
     }
 }
@@ -248,13 +335,19 @@ impl Table {
     }
 
     fn at(&self, t: f64) -> [f64; 3] {
-        self.with_slope(t).0
+        self.jet(t)[0]
     }
 
     /// Value and slope, which is zero outside a table without period.
     pub(crate) fn with_slope(&self, t: f64) -> ([f64; 3], [f64; 3]) {
+        let [value, slope, ..] = self.jet(t);
+        (value, slope)
+    }
+
+    /// Value and first three derivatives, from the right.
+    fn jet(&self, t: f64) -> [[f64; 3]; 4] {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        let inside = self.period.is_some() || (first..=last).contains(&t);
+        let moves = self.period.is_some() || (first..last).contains(&t);
         let t = match self.period {
             Some(p) => first + (t - first).rem_euclid(p),
             None => t.clamp(first, last),
@@ -263,17 +356,23 @@ impl Table {
         let h = self.times[i + 1] - self.times[i];
         let b = ((t - self.times[i]) / h).min(1.0);
         let a = 1.0 - b;
-        let (mut out, mut slope) = ([0.0; 3], [0.0; 3]);
+        let mut out = [[0.0; 3]; 4];
         for k in 0..3 {
-            out[k] = a * self.values[i][k] + b * self.values[i + 1][k];
-            slope[k] = (self.values[i + 1][k] - self.values[i][k]) / h;
-            if let [.., _] = self.second[..] {
-                let (left, right) = (self.second[i][k], self.second[i + 1][k]);
-                out[k] += ((a * a * a - a) * left + (b * b * b - b) * right) * (h * h / 6.0);
-                slope[k] += ((1.0 - 3.0 * a * a) * left + (3.0 * b * b - 1.0) * right) * (h / 6.0);
+            let (y_a, y_b) = (self.values[i][k], self.values[i + 1][k]);
+            let (m_a, m_b) = match self.second[..] {
+                [] => (0.0, 0.0),
+                [..] => (self.second[i][k], self.second[i + 1][k]),
+            };
+            out[0][k] =
+                a * y_a + b * y_b + ((a * a * a - a) * m_a + (b * b * b - b) * m_b) * (h * h / 6.0);
+            if moves {
+                out[1][k] = (y_b - y_a) / h
+                    + ((3.0 * b * b - 1.0) * m_b - (3.0 * a * a - 1.0) * m_a) * (h / 6.0);
+                out[2][k] = a * m_a + b * m_b;
+                out[3][k] = (m_b - m_a) / h;
             }
         }
-        (out, if inside { slope } else { [0.0; 3] })
+        out
     }
 }
 
@@ -341,7 +440,7 @@ mod tests {
     }
 
     fn moment(t: f64, constants: f64) -> Moment<'static> {
-        Moment { t, constants, inputs: &[], rates: Some(&[]) }
+        Moment { constants, ..Moment::at(t) }
     }
 
     #[test]
@@ -427,8 +526,29 @@ mod tests {
         let signal =
             Signal::Product(vec![Signal::Constant(vec![5.0]), Signal::Ramp { duration: 1.0 }]);
         let value = Value::new(&signal, "test").unwrap();
-        assert_eq!(value.at(moment(0.5, 0.5))[0], 2.5);
+        assert_eq!(value.at(Moment { constants: 0.5, ..Moment::at(0.5) })[0], 2.5);
         assert_eq!(at(&signal, 2.0), 5.0);
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let times: Vec<f64> = (0..=8).map(|i| f64::from(i) / 4.0).collect();
+        let values = times.iter().map(|t| (2.0 * t).sin()).collect();
+        let table = Signal::Table { times, values, period: None, smooth: true };
+        let ramp = Signal::Ramp { duration: 1.5 };
+        let factor = Signal::Sum(vec![Signal::Constant(vec![2.0]), ramp.clone()]);
+        let product = Signal::Product(vec![factor, table.clone(), ramp.clone()]);
+        for signal in [table, ramp, product] {
+            let value = Value::new(&signal, "test").unwrap();
+            let at = |t: f64| value.jet(Moment::at(t));
+            // Within one piece of the table, and within the ramp.
+            let (t, h) = (0.63, 1e-4);
+            for order in 0..3 {
+                let slope = (at(t + h)[order][0] - at(t - h)[order][0]) / (2.0 * h);
+                // h^2/6 times a derivative of some hundreds
+                assert!((slope - at(t)[order + 1][0]).abs() < 2e-6, "{signal:?}, {order}");
+            }
+        }
     }
 
     #[test]

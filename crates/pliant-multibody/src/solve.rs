@@ -1,5 +1,6 @@
 //! Equilibria and modes of a model.
 
+use crate::memory::Memory;
 use crate::model::Model;
 use crate::run::Records;
 use crate::system::{Chosen, Growth, Inputs, Mode, System};
@@ -87,7 +88,8 @@ fn follow(
         lambda_: lambda_.map_or_else(|| vec![0.0; model.multipliers()], <[f64]>::to_vec),
         ..State::default()
     };
-    system.note_loads(0.0, &state.q, &state.v);
+    system.begin(0.0, &state.q);
+    system.note_loads(point_of(&state));
     let chosen = options.chosen.clone();
     system.set_growth(Growth { chosen: chosen.clone(), fading: Vec::new() });
     if options.fade {
@@ -108,6 +110,7 @@ fn follow(
     if options.arc_length {
         let at = Cell::new(0.0);
         let mut points: Vec<PathPoint> = Vec::new();
+        let memory = system.memory().clone();
         let outcome = {
             let (q, lambda_) = (visited.state.q.clone(), visited.state.lambda_.clone());
             let along = PathOptions {
@@ -123,6 +126,7 @@ fn follow(
             };
             follow_path(&mut system, solver.as_mut(), &q, &lambda_, &along, &mut stop, &mut sink)
         };
+        again(&mut system, memory);
         for PathPoint { point, kind, shape } in points {
             visited.push(&mut system, solver.as_mut(), point);
             if kind != Kind::Regular {
@@ -138,7 +142,9 @@ fn follow(
         let search = statics::StaticOptions { from: factor(k), to: factor(k + 1), ..search };
         let mut stop = || !poll(search.to);
         let State { q, lambda_, .. } = visited.state.clone();
+        let memory = system.memory().clone();
         let points = solve_static(&mut system, solver.as_mut(), &q, &lambda_, &search, &mut stop)?;
+        again(&mut system, memory);
         for point in points {
             visited.push(&mut system, solver.as_mut(), point);
         }
@@ -204,6 +210,13 @@ pub fn redundant(model: &Arc<Model>) -> Result<Vec<(String, usize, Vec<String>)>
     Ok(found)
 }
 
+/// Goes back to what was remembered before a search, whose equilibria are gone through again, one after the other.
+fn again(system: &mut System, memory: Memory) {
+    let redundant = system.memory().redundant.clone();
+    system.set_memory(memory);
+    system.leave_out(&redundant);
+}
+
 /// The state that modes are taken about.
 #[derive(Clone, Copy, Debug)]
 pub struct About<'a> {
@@ -225,6 +238,7 @@ impl<'a> About<'a> {
         let mode = if self.load_factor { Mode::Static } else { Mode::Dynamic };
         let mut system = System::new(model.clone(), mode, inputs, false);
         system.set_growth(Growth { chosen: self.chosen.cloned(), fading: Vec::new() });
+        system.begin(self.t, self.q.unwrap_or(&model.initial_q));
         let mut force = vec![0.0; model.coordinates()];
         let mut phi = vec![0.0; model.multipliers()];
         let (zero, no_force) = (force.clone(), phi.clone());

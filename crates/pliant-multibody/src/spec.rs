@@ -404,6 +404,55 @@ pub enum JointSpec {
         /// What is held.
         equations: Vec<HoldSpec>,
     },
+    /// A point follows a path (3 equations), the tangent of a cable there a direction (2), a rigid body an orientation
+    /// (3).
+    DrivePoint {
+        /// Name.
+        name: String,
+        /// The point.
+        a: PointSpec,
+        /// Three components [m].
+        position: Option<Signal>,
+        /// Three components, of any length.
+        direction: Option<Signal>,
+        /// The body axes, three components each.
+        orientation: Option<Box<[Signal; 3]>>,
+    },
+    /// The freedom of a hinge or slider follows a course (1 equation).
+    DriveJoint {
+        /// Name.
+        name: String,
+        /// Number of the joint.
+        joint: usize,
+        /// Angle [rad] or way [m], or its rate.
+        value: Signal,
+        /// Whether the value is the rate, from where the run begins.
+        rate: bool,
+    },
+    /// A rigid body turns about an axis of the world by a given angle (1 equation).
+    DriveAxis {
+        /// Name.
+        name: String,
+        /// A point of the body.
+        a: PointSpec,
+        /// The axis.
+        axis: [f64; 3],
+        /// Angle [rad], or its rate.
+        value: Signal,
+        /// Whether the value is the rate.
+        rate: bool,
+    },
+    /// The freedoms of two hinges or sliders are proportional (1 equation).
+    Gear {
+        /// Name.
+        name: String,
+        /// Number of the joint whose freedom is `ratio` times the other's.
+        joint_a: usize,
+        /// Number of the other joint.
+        joint_b: usize,
+        /// The ratio.
+        ratio: f64,
+    },
     /// Two points stay a length apart (1 equation).
     Distance {
         /// Name.
@@ -441,30 +490,30 @@ pub struct NodeSpec {
 }
 
 impl JointSpec {
-    /// Its name.
+    /// Whether it is a drive or gear, which is the same whenever it engages.
     #[must_use]
-    pub fn name(&self) -> &str {
-        match self {
-            Self::Hold { name, .. }
-            | Self::Clamp { name, .. }
-            | Self::Pin { name, .. }
-            | Self::Weld { name, .. }
-            | Self::Hinge { name, .. }
-            | Self::Slider { name, .. }
-            | Self::Cylindrical { name, .. }
-            | Self::Universal { name, .. }
-            | Self::SlideLine { name, .. }
-            | Self::SlideCable { name, .. }
-            | Self::Distance { name, .. } => name,
-        }
+    pub fn is_drive(&self) -> bool {
+        matches!(
+            self,
+            Self::DrivePoint { .. }
+                | Self::DriveAxis { .. }
+                | Self::DriveJoint { .. }
+                | Self::Gear { .. }
+        )
     }
 
-    /// Name and points; a clamp's second is where its first starts. None for joints between nodes.
+    /// Name and points; a clamp's second is where its first starts. Drives and gears between joints, and joints between
+    /// nodes, have none.
     #[must_use]
-    pub fn points(&self) -> Option<(&str, &PointSpec, Option<&PointSpec>)> {
-        Some(match self {
-            Self::Hold { .. } => return None,
-            Self::Clamp { name, a, .. } | Self::SlideCable { name, a, .. } => (name, a, None),
+    pub fn points(&self) -> (&str, Option<&PointSpec>, Option<&PointSpec>) {
+        match self {
+            Self::Hold { name, .. } | Self::DriveJoint { name, .. } | Self::Gear { name, .. } => {
+                (name, None, None)
+            }
+            Self::Clamp { name, a, .. }
+            | Self::SlideCable { name, a, .. }
+            | Self::DrivePoint { name, a, .. }
+            | Self::DriveAxis { name, a, .. } => (name, Some(a), None),
             Self::Pin { name, a, b }
             | Self::Weld { name, a, b }
             | Self::Hinge { name, a, b, .. }
@@ -472,8 +521,8 @@ impl JointSpec {
             | Self::Cylindrical { name, a, b, .. }
             | Self::Universal { name, a, b, .. }
             | Self::SlideLine { name, a, b, .. }
-            | Self::Distance { name, a, b, .. } => (name, a, Some(b)),
-        })
+            | Self::Distance { name, a, b, .. } => (name, Some(a), Some(b)),
+        }
     }
 }
 
@@ -635,6 +684,23 @@ pub enum ForceSpec {
         /// Diameter of each element [m].
         diameters: Vec<f64>,
     },
+    /// Spring, damper, stops and drive along the freedom of a hinge or slider.
+    Joint {
+        /// Name.
+        name: String,
+        /// Number of the joint.
+        joint: usize,
+        /// Stiffness [N m/rad] or [N/m].
+        stiffness: f64,
+        /// Damping [N m s/rad] or [N s/m].
+        damping: f64,
+        /// Angle or way without force of the spring.
+        rest: f64,
+        /// Stops.
+        stops: Option<StopSpec>,
+        /// Torque [N m] or force [N].
+        drive: Option<Signal>,
+    },
 }
 
 /// What pulls a tendon.
@@ -670,6 +736,20 @@ pub enum LiftSpec {
         /// Coefficients there.
         coefficients: Vec<f64>,
     },
+}
+
+/// Stops of a joint: beyond a limit they push back by `stiffness p max(0, 1 + damping p')`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StopSpec {
+    /// Lower limit, if any.
+    pub lower: Option<f64>,
+    /// Upper limit, if any.
+    pub upper: Option<f64>,
+    /// Stiffness [N m/rad] or [N/m].
+    pub stiffness: f64,
+    /// Damping [s/rad] or [s/m].
+    pub damping: f64,
 }
 
 /// A value over time. Scalars (one number) multiply and add to vectors.

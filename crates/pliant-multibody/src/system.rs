@@ -3,6 +3,7 @@
 mod forces;
 mod growth;
 mod lengths;
+mod time;
 mod window;
 
 use crate::error::ModelError;
@@ -58,6 +59,10 @@ pub struct System {
     workspaces: Vec<Workspace>,
     input_time: Option<f64>,
     input_values: Vec<f64>,
+    /// Their derivatives, where they were last asked for.
+    input_rates: Vec<Vec<f64>>,
+    /// Integrals of signals up to that time.
+    integrals: Vec<f64>,
     scratch: Scratch,
     room: Room,
     joints: Joints,
@@ -87,6 +92,8 @@ impl System {
             workspaces,
             input_time: None,
             input_values: Vec::new(),
+            input_rates: Vec::new(),
+            integrals: Vec::new(),
             scratch: Scratch::default(),
             room: Room::default(),
             wound,
@@ -130,7 +137,7 @@ impl System {
             return Ok(false);
         }
         let gap = gap.unwrap_or(CLOSE * self.model.length);
-        if engage {
+        if engage && !self.model.joint_specs[joint].is_drive() {
             self.model.engaged(joint, q, gap)?;
         }
         let unknowns = &self.model.joints[joint].joint.support().unknowns;
@@ -216,7 +223,8 @@ impl System {
             }
             gather(joint.support(), q, &mut x);
             phi.resize(rows.len(), 0.0);
-            joint.residual(t, &x, &mut phi);
+            let now = Moment { memory: self.memory.of(placed), ..self.moment(t) };
+            joint.residual(now, &x, &mut phi);
             for (i, phi) in rows.zip(&phi) {
                 if self.memory.redundant[i] {
                     drift = drift.max(phi.abs() / self.model.constraint_scale[i]);
@@ -250,15 +258,6 @@ impl System {
         self.input_time = None;
     }
 
-    fn moment(&self, t: f64) -> Moment<'_> {
-        let constants = match self.mode {
-            Mode::Dynamic => 1.0,
-            Mode::Static => t,
-        };
-        let rates = (self.mode == Mode::Dynamic).then_some(&self.rates[..]);
-        Moment { t, constants, inputs: &self.input_values, rates }
-    }
-
     /// The moment that the constants of a load see.
     fn moment_of(&self, load: usize, t: f64) -> Moment<'_> {
         match self.mode {
@@ -274,45 +273,31 @@ impl System {
         }
     }
 
-    /// Asks the caller's functions of time, once for each time.
-    fn refresh_inputs(&mut self, t: f64) -> Result<(), EvaluationError> {
-        let Some(inputs) = self.inputs.as_mut() else { return Ok(()) };
-        if self.input_time == Some(t) {
-            return Ok(());
-        }
-        let values =
-            inputs(t).map_err(|message| EvaluationError { message, recoverable: false })?;
-        self.input_values.truncate(self.memory.held.len());
-        self.input_values.extend(values);
-        self.input_time = Some(t);
-        Ok(())
-    }
-
     /// Begins to gather work: notes the loads at the start.
-    pub fn note_loads(&mut self, t: f64, q: &[f64], v: &[f64]) {
-        let rest = vec![0.0; q.len()];
-        self.note_given(Point { t, q, v, a: &rest, lambda_: &[] });
+    pub fn note_loads(&mut self, at: Point<'_>) {
+        self.note_given(at);
         if !self.model.has_work() {
             return;
         }
-        let mut force = vec![0.0; q.len()];
+        let mut force = vec![0.0; at.q.len()];
         // Functions of time that fail here fail in the step itself.
-        if self.refresh(t).is_ok() {
-            self.working_forces((t, q, v), &mut force);
-            self.memory.potential = self.changing_energy(t, q, v);
+        if self.refresh(at.t).is_ok() {
+            self.working_forces(at, &mut force);
+            self.memory.potential = self.changing_energy(at.t, at.q, at.v);
         }
         self.memory.loads = force;
     }
 
-    /// Adds what does work from outside: loads, and forces whose stored energy changes in time, too.
-    fn working_forces(&mut self, (t, q, v): (f64, &[f64], &[f64]), force: &mut [f64]) {
-        self.load_forces(t, q, 1.0, force);
+    /// Adds what does work from outside: loads, drives, and forces whose stored energy changes in time.
+    fn working_forces(&mut self, at: Point<'_>, force: &mut [f64]) {
+        self.load_forces(at.t, at.q, 1.0, force);
+        self.drive_forces(at, force);
         let chosen = |placed: &PlacedForce, part| match part {
             Part::Stored => placed.force.is_rheonomic(),
             Part::Dissipated => false,
             Part::Work => true,
         };
-        self.add_forces((t, q, v), 1.0, chosen, force);
+        self.add_forces((at.t, at.q, at.v), 1.0, chosen, force);
     }
 
     /// Kinetic, elastic and gravitational energy at a state [J].
@@ -321,12 +306,6 @@ impl System {
         let mut energy = self.model.energy(&self.wound, q, v);
         energy[1] += self.model.stored_energy(self.moment(t), q, v);
         energy
-    }
-
-    /// Appends what the forces show at a state.
-    pub fn outputs(&self, t: f64, q: &[f64], v: &[f64], out: &mut Vec<f64>) {
-        self.model.outputs(self.moment(t), q, v, out);
-        out.extend(self.wound.lengths.iter().flatten());
     }
 
     /// Makes sure that the inputs are those of a time, before energy and outputs are read there.
@@ -372,20 +351,24 @@ impl System {
         }
     }
 
-    /// Calls `work` with each joint that holds, its local coordinates and its range of equations.
+    /// Calls `work` with each joint that holds, the time it sees, its local coordinates and its range of equations.
     fn each_joint(
         &mut self,
+        t: f64,
         q: &[f64],
-        mut work: impl FnMut(&dyn Joint, &[f64], std::ops::Range<usize>),
+        mut work: impl FnMut(&dyn Joint, Moment<'_>, &[f64], std::ops::Range<usize>),
     ) {
-        let x = &mut self.scratch.x;
+        let mut x = std::mem::take(&mut self.scratch.x);
+        let now = self.moment(t);
         for (k, placed) in self.model.joints.iter().enumerate() {
             if self.joints.is_engaged(k) {
                 let joint = self.joints.get(&self.model, k);
-                gather(joint.support(), q, x);
-                work(joint, x, placed.first..placed.first + joint.equations());
+                gather(joint.support(), q, &mut x);
+                let now = Moment { memory: self.memory.of(placed), ..now };
+                work(joint, now, &x, placed.first..placed.first + joint.equations());
             }
         }
+        self.scratch.x = x;
     }
 
     /// Clears the rows that read `lambda_ = 0`.
@@ -447,15 +430,23 @@ impl System {
     }
 
     fn joint_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
-        let Scratch { x, jacobian, hessian, .. } = &mut self.scratch;
-        let off = self.joints.off();
+        let mut x = std::mem::take(&mut self.scratch.x);
+        let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
+        let mut hessian = std::mem::take(&mut self.scratch.hessian);
+        let (now, off) = (self.moment(at.t), self.joints.off());
         for (k, placed) in self.model.joints.iter().enumerate() {
             let joint = self.joints.get(&self.model, k);
-            gather(joint.support(), at.q, x);
+            gather(joint.support(), at.q, &mut x);
             let (n, m) = (x.len(), joint.equations());
             if !placed.windows.is_empty() {
                 let window = Window { placed, joint, off: &off[placed.first..placed.first + m] };
-                window.tangents(&self.model.structure, (at, x), weights, jacobian, values);
+                window.tangents(
+                    &self.model.structure,
+                    (at, now, &x),
+                    weights,
+                    &mut jacobian,
+                    values,
+                );
                 continue;
             }
             jacobian.clear();
@@ -463,9 +454,10 @@ impl System {
             hessian.clear();
             hessian.resize(n * n, 0.0);
             if self.joints.is_engaged(k) {
-                joint.jacobian(at.t, x, jacobian);
+                let now = Moment { memory: self.memory.of(placed), ..now };
+                joint.jacobian(now, &x, &mut jacobian);
                 let lambda_ = &at.lambda_[placed.first..placed.first + m];
-                joint.add_hessian(at.t, x, lambda_, weights.stiffness, hessian);
+                joint.add_hessian(now, &x, lambda_, weights.stiffness, &mut hessian);
             }
             let slot = self.model.structure.slot(placed.element);
             let mut set = |i: usize, j: usize, value: f64| {
@@ -487,6 +479,9 @@ impl System {
                 }
             }
         }
+        self.scratch.x = x;
+        self.scratch.jacobian = jacobian;
+        self.scratch.hessian = hessian;
     }
 
     fn load_tangents(&self, at: Point<'_>, weight: f64, values: &mut [f64]) {
@@ -584,11 +579,11 @@ impl Problem for System {
         self.load_forces(at.t, at.q, -1.0, force);
         self.add_forces((at.t, at.q, at.v), -1.0, |_, _| true, force);
         let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
-        self.each_joint(at.q, |joint, x, equations| {
-            joint.residual(at.t, x, &mut phi[equations.clone()]);
+        self.each_joint(at.t, at.q, |joint, now, x, equations| {
+            joint.residual(now, x, &mut phi[equations.clone()]);
             let n = x.len();
             jacobian.resize(n * equations.len(), 0.0);
-            joint.jacobian(at.t, x, &mut jacobian);
+            joint.jacobian(now, x, &mut jacobian);
             for (i, row) in equations.zip(jacobian.chunks_exact(n)) {
                 for (&u, entry) in joint.support().unknowns.iter().zip(row) {
                     force[u] += entry * at.lambda_[i];
@@ -613,22 +608,24 @@ impl Problem for System {
     }
 
     fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]) {
+        self.refresh_rates(at.t);
         let mut v = std::mem::take(&mut self.scratch.phi);
-        self.each_joint(at.q, |joint, x, equations| {
+        self.each_joint(at.t, at.q, |joint, now, x, equations| {
             gather(joint.support(), at.v, &mut v);
-            joint.acceleration(at.t, x, &v, &mut out[equations]);
+            joint.acceleration(now, x, &v, &mut out[equations]);
         });
         self.scratch.phi = v;
         self.clear_idle(out);
     }
 
     fn constraint_jerk(&mut self, at: Point<'_>, out: &mut [f64]) {
+        self.refresh_rates(at.t);
         let mut v = std::mem::take(&mut self.scratch.phi);
         let mut a = std::mem::take(&mut self.scratch.jacobian);
-        self.each_joint(at.q, |joint, x, equations| {
+        self.each_joint(at.t, at.q, |joint, now, x, equations| {
             gather(joint.support(), at.v, &mut v);
             gather(joint.support(), at.a, &mut a);
-            joint.jerk(at.t, x, &v, &a, &mut out[equations]);
+            joint.jerk(now, x, &v, &a, &mut out[equations]);
         });
         self.scratch.phi = v;
         self.scratch.jacobian = a;
@@ -636,7 +633,8 @@ impl Problem for System {
     }
 
     fn constraint_rate(&mut self, t: f64, q: &[f64], out: &mut [f64]) {
-        self.each_joint(q, |joint, x, equations| joint.rate(t, x, &mut out[equations]));
+        self.refresh_rates(t);
+        self.each_joint(t, q, |joint, now, x, equations| joint.rate(now, x, &mut out[equations]));
         self.clear_idle(out);
     }
 
@@ -688,7 +686,7 @@ impl Problem for System {
             let mut forces = std::mem::take(&mut self.forces);
             self.memory.audit.work += work(&mut noted, &mut forces, before, after, |at, force| {
                 if self.refresh(at.t).is_ok() {
-                    self.working_forces((at.t, at.q, at.v), force);
+                    self.working_forces(at, force);
                 }
             });
             let potential = self.changing_energy(after.t, after.q, after.v);
@@ -697,6 +695,11 @@ impl Problem for System {
             (self.memory.loads, self.forces) = (noted, forces);
         }
         self.accept_given(before, after);
+        self.remember(after);
+    }
+
+    fn equilibrium(&mut self, at: Point<'_>) {
+        self.remember(at);
     }
 
     /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each

@@ -11,7 +11,7 @@ use pliant_multibody::model::Model;
 use pliant_multibody::run::{Leg, Run, RunOptions, Start};
 use pliant_multibody::spec::{
     Array, CableSpec, ForceSpec, JointSpec, LiftSpec, MassSpec, ModelSpec, PointSpec, PullSpec,
-    RigidBodySpec, Signal,
+    RigidBodySpec, Signal, StopSpec,
 };
 use pliant_multibody::system::{Mode, System};
 use std::f64::consts::PI;
@@ -64,6 +64,35 @@ fn specs() -> Vec<(Vec<JointSpec>, ForceSpec)> {
         (Vec::new(), ForceSpec::Spring { name, a, b, stiffness, damping, length })
     };
     let ball = || PointSpec::Shared { shared: 0 };
+    let world_hinge = || {
+        let name = "hinge".to_owned();
+        let (s, c) = 0.4_f64.sin_cos();
+        let world = [0.1 + 0.3 * c + 0.2 * s, -0.2 + 0.3 * s - 0.2 * c, 0.8];
+        let (a, b) = (on_body(0, [0.3, -0.2, 0.5]), PointSpec::World { world });
+        JointSpec::Hinge { name, a, b, axis: [0.0, 0.6, 0.8] }
+    };
+    let pair_slider = || {
+        let name = "slider".to_owned();
+        // The centre of the right body, seen from the left one.
+        let ((s, c), d) = (0.4_f64.sin_cos(), [0.8, 0.6, -0.4]);
+        let local = [c * d[0] + s * d[1], c * d[1] - s * d[0], d[2]];
+        let (a, b) = (on_body(0, local), on_body(1, [0.0; 3]));
+        JointSpec::Slider { name, a, b, axis: [0.6, 0.0, 0.8] }
+    };
+    let along = |joint: JointSpec, stops: Option<StopSpec>, drive: Option<Signal>| {
+        let (name, stiffness, damping) = ("along".to_owned(), 8.0, 0.7);
+        let damping = if stops.is_some() { 0.0 } else { damping };
+        let force =
+            ForceSpec::Joint { name, joint: 0, stiffness, damping, rest: 0.3, stops, drive };
+        (vec![joint], force)
+    };
+    let stops = |lower: f64, upper: f64| {
+        Some(StopSpec { lower: Some(lower), upper: Some(upper), stiffness: 60.0, damping: 0.4 })
+    };
+    let torque = || {
+        let ramp = Signal::Ramp { duration: 1.0 };
+        Some(Signal::Product(vec![Signal::Constant(vec![0.6]), ramp]))
+    };
     let world = || PointSpec::World { world: [0.3, 0.2, -0.6] };
     let tendon = |pull, friction| {
         let points = vec![
@@ -104,6 +133,11 @@ fn specs() -> Vec<(Vec<JointSpec>, ForceSpec)> {
         spring(on_body(0, [0.3, -0.2, 0.5]), on_body(1, [-0.1, 0.4, 0.2]), [30.0, 0.0, 0.7]),
         spring(on_body(0, [0.3, -0.2, 0.5]), ball(), [30.0, 4.0, 0.7]),
         spring(ball(), world(), [30.0, 4.0, 0.0]),
+        along(world_hinge(), None, None),
+        along(world_hinge(), None, torque()),
+        along(pair_slider(), None, torque()),
+        along(world_hinge(), stops(-0.03, 0.02), None),
+        along(pair_slider(), stops(-0.01, 0.02), None),
     ]
 }
 
@@ -139,7 +173,9 @@ fn tension_falls_by_the_capstan_formula() {
         v[ball] = slide;
         v[ball + 1] = slide;
         let mut out = Vec::new();
-        system.outputs(0.0, model.initial_q(), &v, &mut out);
+        let rest = vec![0.0; v.len()];
+        let at = Point { t: 0.0, q: model.initial_q(), v: &v, a: &rest, lambda_: &[] };
+        system.outputs(at, &mut out);
         for (tension, wrap) in out[1..].iter().zip([0.0, PI / 2.0, 0.75 * PI]) {
             let expected = 5.0 * (slide * friction * wrap).exp();
             assert!((tension / expected - 1.0).abs() < 1e-12, "{tension} {expected}");
@@ -189,7 +225,7 @@ fn every_kind_is_here() {
 fn stored_forces_are_derivatives_of_the_energy() {
     let stored = |spec: &ForceSpec| match spec {
         ForceSpec::Tendon { pull, .. } => matches!(pull, PullSpec::Motor { .. }),
-        ForceSpec::Wind { .. } => false,
+        ForceSpec::Wind { .. } | ForceSpec::Joint { drive: Some(_), .. } => false,
         _ => true,
     };
     for (joints, spec) in specs().into_iter().filter(|(_, spec)| stored(spec)) {
@@ -207,6 +243,7 @@ fn stored_forces_are_derivatives_of_the_energy() {
         let model = model(joints, spec.clone());
         let n = model.coordinates();
         let mut system = System::new(model.clone(), Mode::Dynamic, None, false);
+        system.begin(0.3, model.initial_q());
         let q = moved(model.initial_q(), &noise(n, 2.0), 0.1);
         let (by, rest) = (noise(n, 3.0), vec![0.0; n]);
         let h = 1e-4;
@@ -224,6 +261,7 @@ fn tangents_are_derivatives_of_forces() {
         let model = model(joints, spec.clone());
         let n = model.coordinates();
         let mut system = System::new(model.clone(), Mode::Dynamic, None, false);
+        system.begin(0.3, model.initial_q());
         let (q, v) = (moved(model.initial_q(), &noise(n, 2.0), 0.1), noise(n, 4.0));
         let by = noise(n, 3.0);
         let h = 1e-5;
@@ -273,7 +311,8 @@ fn energy_is_accounted_for() {
         };
         let ((coarse, _), (fine, lost)) = (drift(4e-3), drift(2e-3));
         let order = (coarse / fine).abs().log2();
-        assert!(order > 1.7 || fine.abs() < 1e-7, "{spec:?}: {coarse:.2e}, {fine:.2e}");
+        // Where a stop is met within a step, single steps lose an order: little, and of either sign.
+        assert!(order > 1.7 || fine.abs() < 1e-5, "{spec:?}: {coarse:.2e}, {fine:.2e}");
         // Of some joules in play, with a hundred steps a period.
         assert!(fine.abs() < 1e-3, "{spec:?}: {fine:.2e}");
         assert!(lost >= 0.0, "{spec:?} gave {lost}");

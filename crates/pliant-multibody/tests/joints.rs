@@ -1,11 +1,11 @@
 //! Every joint: Jacobian, Hessian, acceleration and jerk against finite differences; action equals reaction.
 
 use nalgebra::Vector3;
-use pliant_multibody::joints::product::Products;
 use pliant_multibody::joints::rigidity::rigidity;
 use pliant_multibody::joints::side::{Frame, Side};
-use pliant_multibody::joints::{Joint, of_spec};
+use pliant_multibody::joints::{Draft, Joint, of_spec};
 use pliant_multibody::point::{Interpolation, Support};
+use pliant_multibody::signal::Moment;
 use pliant_multibody::spec::{JointSpec, PointSpec};
 
 /// Two rigid bodies (12 coordinates each) and a node of a line (6).
@@ -69,7 +69,7 @@ fn specs() -> Vec<JointSpec> {
 }
 
 /// Every joint between every two kinds of sides that can carry it, with a name.
-fn joints() -> Vec<(String, Products)> {
+fn joints() -> Vec<(String, Box<dyn Joint>)> {
     let q = start();
     let kinds = || {
         [
@@ -91,13 +91,13 @@ fn joints() -> Vec<(String, Products)> {
                     && let Some(joint) = of_spec(&spec, &a, &b)
                 {
                     let name = format!("{spec:?} of {a_kind} and {b_kind}");
-                    all.push((name, joint.over(unknowns())));
+                    all.push((name, Box::new(joint).placed(unknowns())));
                 }
             }
         }
     }
     let axes = [3, 6, 9].map(vector_at);
-    all.push(("rigidity".to_owned(), rigidity(&axes).over(unknowns())));
+    all.push(("rigidity".to_owned(), Box::new(rigidity(&axes)).placed(unknowns())));
     all
 }
 
@@ -114,9 +114,9 @@ fn close(a: &[f64], b: &[f64], tolerance: f64, what: &str) {
 #[test]
 fn derivatives_agree_with_finite_differences() {
     let all = joints();
-    // Every file of the folder is in the loop; three hold what the joints share, one joint has a test of its own.
+    // Every file of the folder is in the loop; three hold what the joints share, three have tests of their own.
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/joints");
-    let files = std::fs::read_dir(folder).unwrap().count() - 4;
+    let files = std::fs::read_dir(folder).unwrap().count() - 6;
     let mut kinds: Vec<_> =
         all.iter().map(|(n, _)| n.split(' ').next().unwrap().to_owned()).collect();
     kinds.dedup();
@@ -126,12 +126,12 @@ fn derivatives_agree_with_finite_differences() {
         let m = joint.equations();
         let phi = |q: &[f64]| {
             let mut phi = vec![0.0; m];
-            joint.residual(0.0, q, &mut phi);
+            joint.residual(Moment::at(0.0), q, &mut phi);
             phi
         };
         let jacobian = |q: &[f64]| {
             let mut out = vec![0.0; m * UNKNOWNS];
-            joint.jacobian(0.0, q, &mut out);
+            joint.jacobian(Moment::at(0.0), q, &mut out);
             out
         };
         let times = |matrix: &[f64], v: &[f64]| -> Vec<f64> {
@@ -147,16 +147,16 @@ fn derivatives_agree_with_finite_differences() {
         // (phi_q v)_q v
         let turn = difference(&jacobian(&moved(&q, &v, h)), &jacobian(&moved(&q, &v, -h)), 2.0 * h);
         let mut out = vec![0.0; m];
-        joint.acceleration(0.0, &q, &v, &mut out);
+        joint.acceleration(Moment::at(0.0), &q, &v, &mut out);
         close(&out, &times(&turn, &v), 1e-10, &format!("{name}: acceleration"));
         // 3 (phi_q v)_q a
-        joint.jerk(0.0, &q, &v, &a, &mut out);
+        joint.jerk(Moment::at(0.0), &q, &v, &a, &mut out);
         let expected: Vec<f64> = times(&turn, &a).iter().map(|x| 3.0 * x).collect();
         close(&out, &expected, 1e-10, &format!("{name}: jerk"));
         // (phi_q^T lambda_)_q v
         let lambda_: Vec<f64> = noise(5)[..m].to_vec();
         let mut hessian = vec![0.0; UNKNOWNS * UNKNOWNS];
-        joint.add_hessian(0.0, &q, &lambda_, 2.0, &mut hessian);
+        joint.add_hessian(Moment::at(0.0), &q, &lambda_, 2.0, &mut hessian);
         let expected: Vec<f64> = (0..UNKNOWNS)
             .map(|j| (0..m).map(|i| 2.0 * lambda_[i] * turn[i * UNKNOWNS + j]).sum())
             .collect();
@@ -184,7 +184,7 @@ fn action_equals_reaction() {
         let m = joint.equations();
         let lambda_ = noise(6)[..m].to_vec();
         let mut jacobian = vec![0.0; m * UNKNOWNS];
-        joint.jacobian(0.0, &x, &mut jacobian);
+        joint.jacobian(Moment::at(0.0), &x, &mut jacobian);
         let on = |first: usize| {
             let vector = |i: usize, of: &dyn Fn(usize) -> f64| {
                 Vector3::from_fn(|k, _| of(first + 3 * i + k))
@@ -200,7 +200,7 @@ fn action_equals_reaction() {
             (force, about_center + arm.cross(&force))
         };
         let ((force, moment), (other_force, other_moment)) = (on(0), on(12));
-        let reaction = joint.reaction(0.0, &x, &lambda_);
+        let reaction = joint.reaction(Moment::at(0.0), &x, &lambda_);
         close(force.as_slice(), &reaction.0, 1e-12, &format!("{name}: force"));
         close(moment.as_slice(), &reaction.1, 1e-12, &format!("{name}: moment"));
         close((-other_force).as_slice(), &reaction.0, 1e-12, &format!("{name}: force on b"));

@@ -5,6 +5,7 @@ use pliant_multibody::dof_map::CableMap;
 use pliant_multibody::joints::slide_cable::SlideCable;
 use pliant_multibody::joints::{Draft, Joint};
 use pliant_multibody::point::{Interpolation, Support};
+use pliant_multibody::signal::Moment;
 
 /// Three nodes of a cable (6 coordinates each), the point (3), the arc length.
 const UNKNOWNS: usize = 22;
@@ -37,20 +38,20 @@ fn derivatives_agree_with_finite_differences() {
         q[S] = s;
         let phi = |t: f64| {
             let mut phi = [0.0; 3];
-            joint.residual(0.0, &along(&q, &v, &a, t), &mut phi);
+            joint.residual(Moment::at(0.0), &along(&q, &v, &a, t), &mut phi);
             phi
         };
         // Central differences of fourth order of a polynomial in t: the error is h^4, rounding 1e-16 / h^3.
         let h = 2e-3;
         let [f2, f1, f0, g1, g2] = [2.0, 1.0, 0.0, -1.0, -2.0].map(|k| phi(k * h));
         let mut jacobian = vec![0.0; 3 * UNKNOWNS];
-        joint.jacobian(0.0, &q, &mut jacobian);
+        joint.jacobian(Moment::at(0.0), &q, &mut jacobian);
         let rows = |x: &[f64]| -> Vec<f64> {
             jacobian.chunks(UNKNOWNS).map(|r| r.iter().zip(x).map(|(r, x)| r * x).sum()).collect()
         };
         let (mut second, mut third) = (vec![0.0; 3], vec![0.0; 3]);
-        joint.acceleration(0.0, &q, &v, &mut second);
-        joint.jerk(0.0, &q, &v, &a, &mut third);
+        joint.acceleration(Moment::at(0.0), &q, &v, &mut second);
+        joint.jerk(Moment::at(0.0), &q, &v, &a, &mut third);
         let (slope, bend) = (rows(&v), rows(&a));
         for k in 0..3 {
             let first = (8.0 * (f1[k] - g1[k]) - (f2[k] - g2[k])) / (12.0 * h);
@@ -65,11 +66,11 @@ fn derivatives_agree_with_finite_differences() {
         }
         let lambda_ = [0.3, -1.2, 0.8];
         let mut hessian = vec![0.0; UNKNOWNS * UNKNOWNS];
-        joint.add_hessian(0.0, &q, &lambda_, 1.0, &mut hessian);
+        joint.add_hessian(Moment::at(0.0), &q, &lambda_, 1.0, &mut hessian);
         let force = |t: f64| -> Vec<f64> {
             let zero = vec![0.0; UNKNOWNS];
             let mut jacobian = vec![0.0; 3 * UNKNOWNS];
-            joint.jacobian(0.0, &along(&q, &v, &zero, t), &mut jacobian);
+            joint.jacobian(Moment::at(0.0), &along(&q, &v, &zero, t), &mut jacobian);
             (0..UNKNOWNS)
                 .map(|j| (0..3).map(|i| lambda_[i] * jacobian[i * UNKNOWNS + j]).sum())
                 .collect()

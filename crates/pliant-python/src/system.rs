@@ -255,6 +255,12 @@ impl PySystem {
         found.map_err(|error| solve_error(py, &error))
     }
 
+    fn joint_outputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        use numpy::PyArrayMethods;
+        let joints = self.model.joint_outputs();
+        PyArray1::from_iter(py, joints.iter().flatten().copied()).reshape([joints.len(), 2])
+    }
+
     fn describe_solver(&self, py: Python<'_>) -> PyResult<String> {
         match self.model.solver(false) {
             Ok(solver) => Ok(solver.describe()),

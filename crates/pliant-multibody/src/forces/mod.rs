@@ -1,12 +1,14 @@
 //! Forces that depend on positions and velocities: springs and what acts along joints. One file a kind; this is their
 //! registry. Forces given over time, with at most a direction that turns, are [`crate::loads`].
 
+pub mod joint;
 pub mod spring;
 pub mod tendon;
 pub mod wind;
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
+use crate::model::PlacedFreedom;
 use crate::point::{Interpolation, Support};
 use crate::signal::Moment;
 use crate::spec::ForceSpec;
@@ -101,6 +103,8 @@ pub(crate) struct Context<'a> {
     pub map: &'a DofMap,
     /// Makes the support of some points.
     pub support: &'a dyn Fn(&[&Interpolation]) -> Support,
+    /// What joints leave free.
+    pub freedoms: &'a [PlacedFreedom],
 }
 
 /// The force of a document, in one piece or several; only the first shows numbers.
@@ -113,6 +117,7 @@ pub(crate) fn of_spec(
 ) -> Result<Vec<Box<dyn ForceElement>>, ModelError> {
     let one = |force: Box<dyn ForceElement>| vec![force];
     Ok(match force {
+        ForceSpec::Joint { .. } => one(Box::new(joint::JointForce::of_spec(force, context)?)),
         ForceSpec::Spring { .. } => one(Box::new(spring::Spring::of_spec(force, context)?)),
         ForceSpec::Tendon { .. } => one(Box::new(tendon::Tendon::of_spec(force, context)?)),
         ForceSpec::Wind { .. } => wind::Wind::of_spec(force, context)?

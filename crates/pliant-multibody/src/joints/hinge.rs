@@ -5,8 +5,9 @@
 //! first multipliers are the force on a; the others make up the moment normal to the axis. The freedom is the angle
 //! of a against b about the axis, zero at the start.
 
-use super::product::{Freedom, Products};
+use super::product::Products;
 use super::side::{Side, coincident, turning};
+use crate::freedom::Freedom;
 use crate::vector::{normals, vector};
 use nalgebra::Vector3;
 
@@ -19,7 +20,7 @@ pub fn hinge(a: &Side<'_>, b: &Side<'_>, axis: Vector3<f64>) -> Option<Products>
 }
 
 /// The angle of a against b about an axis.
-pub(super) fn angle(a: &Side<'_>, b: &Side<'_>, axis: Vector3<f64>) -> Option<Freedom> {
+pub(crate) fn angle(a: &Side<'_>, b: &Side<'_>, axis: Vector3<f64>) -> Option<Freedom> {
     let (frame, other, sign) = if b.is_frame() { (b, a, 1.0) } else { (a, b, -1.0) };
     let zero = match &other.frame {
         super::side::Frame::Line(t) => vector(t.at(other.q)).try_normalize(0.0)?,

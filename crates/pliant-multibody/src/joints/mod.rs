@@ -1,8 +1,10 @@
 //! Joints: constraints `phi(q, t) = 0` between material points. One file a joint; this is their registry.
 
 pub mod clamp;
+pub mod coupled;
 pub mod cylindrical;
 pub mod distance;
+pub mod guided;
 pub mod hinge;
 pub mod hold;
 pub mod pin;
@@ -15,7 +17,9 @@ pub mod slider;
 pub mod universal;
 pub mod weld;
 
+use crate::freedom::Freedom;
 use crate::point::{Interpolation, Support};
+use crate::signal::Moment;
 use crate::spec::JointSpec;
 use nalgebra::Vector3;
 use product::Products;
@@ -40,6 +44,10 @@ pub fn of_spec(joint: &JointSpec, a: &Side<'_>, b: &Side<'_>) -> Option<Products
         JointSpec::SlideLine { axis, .. } => slide_line::slide_line(a, b, unit(axis)?),
         JointSpec::SlideCable { .. } => None,
         JointSpec::Distance { length, .. } => Some(distance::distance(a, b, *length)),
+        JointSpec::DrivePoint { .. }
+        | JointSpec::DriveAxis { .. }
+        | JointSpec::DriveJoint { .. }
+        | JointSpec::Gear { .. } => None,
     }
 }
 
@@ -54,6 +62,11 @@ pub trait Draft {
     /// Vectors of the parts of a joint that acts on one part of its coordinates at a time, see [`Joint::window`].
     fn windows(&self) -> Vec<Vec<&Interpolation>> {
         Vec::new()
+    }
+
+    /// The freedom that the joint leaves, if it is a single number.
+    fn freedom(&self) -> Option<&Freedom> {
+        None
     }
 
     /// The same joint over the coordinates of `support`.
@@ -72,36 +85,43 @@ pub trait Joint: Send + Sync {
     fn scale(&self, length: f64, out: &mut [f64]);
 
     /// `phi`, (m,).
-    fn residual(&self, t: f64, x: &[f64], phi: &mut [f64]);
+    fn residual(&self, now: Moment<'_>, x: &[f64], phi: &mut [f64]);
 
     /// `phi_q`, (m, local unknowns) row by row, overwritten.
-    fn jacobian(&self, t: f64, x: &[f64], out: &mut [f64]);
+    fn jacobian(&self, now: Moment<'_>, x: &[f64], out: &mut [f64]);
 
     /// Adds `stiffness (phi_q^T lambda_)_q`, row by row.
-    fn add_hessian(&self, t: f64, x: &[f64], lambda_: &[f64], stiffness: f64, out: &mut [f64]) {
-        let _ = (t, x, lambda_, stiffness, out);
+    fn add_hessian(
+        &self,
+        now: Moment<'_>,
+        x: &[f64],
+        lambda_: &[f64],
+        stiffness: f64,
+        out: &mut [f64],
+    ) {
+        let _ = (now, x, lambda_, stiffness, out);
     }
 
     /// `(phi_q v)_q v + 2 phi_qt v + phi_tt`, (m,), overwritten.
-    fn acceleration(&self, t: f64, x: &[f64], v: &[f64], out: &mut [f64]) {
-        let _ = (t, x, v);
+    fn acceleration(&self, now: Moment<'_>, x: &[f64], v: &[f64], out: &mut [f64]) {
+        let _ = (now, x, v);
         out.fill(0.0);
     }
 
     /// The third time derivative of phi at zero jerk, (m,), overwritten.
-    fn jerk(&self, t: f64, x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
-        let _ = (t, x, v, a);
+    fn jerk(&self, now: Moment<'_>, x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+        let _ = (now, x, v, a);
         out.fill(0.0);
     }
 
     /// `phi_t`, (m,), overwritten.
-    fn rate(&self, t: f64, x: &[f64], out: &mut [f64]) {
-        let _ = (t, x);
+    fn rate(&self, now: Moment<'_>, x: &[f64], out: &mut [f64]) {
+        let _ = (now, x);
         out.fill(0.0);
     }
 
     /// Force [N] and moment [N m] that the joint exerts on its first body, about the joint's point.
-    fn reaction(&self, t: f64, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]);
+    fn reaction(&self, now: Moment<'_>, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]);
 
     /// Number of the part of its coordinates that it acts on at present, of those of [`Draft::windows`].
     fn window(&self, x: &[f64]) -> usize {
@@ -124,5 +144,25 @@ pub trait Joint: Send + Sync {
     fn motion(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {
         let _ = (x, v);
         None
+    }
+
+    /// Whether it moves in time by itself: its forces do work.
+    fn is_driven(&self) -> bool {
+        false
+    }
+
+    /// How many numbers it remembers from one step to the next.
+    fn memory(&self) -> usize {
+        0
+    }
+
+    /// Writes what it remembers at the start.
+    fn begin(&self, now: Moment<'_>, memory: &mut [f64]) {
+        let _ = (now, memory);
+    }
+
+    /// Writes what it remembers of the end of a step; `now` has what it remembered before.
+    fn remember(&self, now: Moment<'_>, memory: &mut [f64]) {
+        let _ = (now, memory);
     }
 }

@@ -5,7 +5,9 @@
 //! derivative at zero jerk is `3 factor (u''.w' + u'.w'')`.
 
 use super::{Draft, Joint};
+use crate::freedom::{Freedom, add_product_hessian};
 use crate::point::{Interpolation, Support};
+use crate::signal::Moment;
 use crate::vector::vector;
 use nalgebra::Vector3;
 
@@ -36,11 +38,11 @@ impl Arm {
         Self { value: Interpolation::fixed(value), role: Role::Other }
     }
 
-    fn at(&self, x: &[f64]) -> Vector3<f64> {
+    pub(crate) fn at(&self, x: &[f64]) -> Vector3<f64> {
         vector(self.value.at(x))
     }
 
-    fn rate(&self, v: &[f64]) -> Vector3<f64> {
+    pub(crate) fn rate(&self, v: &[f64]) -> Vector3<f64> {
         vector(self.value.rate(v))
     }
 }
@@ -66,29 +68,6 @@ impl Product {
     }
 }
 
-/// The freedom that a joint leaves, as a number.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Freedom {
-    /// The angle of u in the plane (cosine, sine), times a sign.
-    Angle {
-        /// The vector that turns.
-        u: Arm,
-        /// Where the angle is zero.
-        cosine: Arm,
-        /// Where it is a right angle.
-        sine: Arm,
-        /// 1, or -1 where u belongs to the second body.
-        sign: f64,
-    },
-    /// The product u.w.
-    Length {
-        /// The gap.
-        u: Arm,
-        /// The direction.
-        w: Arm,
-    },
-}
-
 /// A joint made of products.
 #[derive(Clone, Debug, Default)]
 pub struct Products {
@@ -103,23 +82,19 @@ impl Products {
     pub fn new(equations: Vec<Product>, freedom: Option<Freedom>) -> Self {
         Self { equations, freedom, support: Support::default() }
     }
+}
 
+impl Products {
     /// The same joint over the coordinates of `support`.
     #[must_use]
-    pub fn over(self, support: Support) -> Self {
-        let local = |arm: Arm| Arm { value: support.localize(&arm.value), role: arm.role };
-        let equations = self
-            .equations
-            .into_iter()
-            .map(|p| Product { u: local(p.u), w: local(p.w), ..p })
-            .collect();
-        let freedom = self.freedom.map(|freedom| match freedom {
-            Freedom::Angle { u, cosine, sine, sign } => {
-                Freedom::Angle { u: local(u), cosine: local(cosine), sine: local(sine), sign }
-            }
-            Freedom::Length { u, w } => Freedom::Length { u: local(u), w: local(w) },
-        });
-        Self { equations, freedom, support }
+    pub fn over(mut self, support: Support) -> Self {
+        for p in &mut self.equations {
+            p.u.value = support.localize(&p.u.value);
+            p.w.value = support.localize(&p.w.value);
+        }
+        self.freedom = self.freedom.map(|y| y.placed(&support));
+        self.support = support;
+        self
     }
 }
 
@@ -132,8 +107,12 @@ impl Draft for Products {
         self.equations.iter().flat_map(|p| [&p.u.value, &p.w.value]).collect()
     }
 
+    fn freedom(&self) -> Option<&Freedom> {
+        self.freedom.as_ref()
+    }
+
     fn placed(self: Box<Self>, support: Support) -> Box<dyn Joint> {
-        Box::new((*self).over(support))
+        Box::new(self.over(support))
     }
 }
 
@@ -152,13 +131,13 @@ impl Joint for Products {
         }
     }
 
-    fn residual(&self, _t: f64, x: &[f64], phi: &mut [f64]) {
+    fn residual(&self, _now: Moment<'_>, x: &[f64], phi: &mut [f64]) {
         for (phi, p) in phi.iter_mut().zip(&self.equations) {
             *phi = p.factor * p.u.at(x).dot(&p.w.at(x)) - p.constant;
         }
     }
 
-    fn jacobian(&self, _t: f64, x: &[f64], out: &mut [f64]) {
+    fn jacobian(&self, _now: Moment<'_>, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         for (row, p) in out.chunks_exact_mut(x.len()).zip(&self.equations) {
             p.w.value.add_force((p.u.at(x) * p.factor).into(), row);
@@ -166,35 +145,33 @@ impl Joint for Products {
         }
     }
 
-    fn add_hessian(&self, _t: f64, x: &[f64], lambda_: &[f64], stiffness: f64, out: &mut [f64]) {
-        let n = x.len();
+    fn add_hessian(
+        &self,
+        _now: Moment<'_>,
+        x: &[f64],
+        lambda_: &[f64],
+        stiffness: f64,
+        out: &mut [f64],
+    ) {
         for (lambda_, p) in lambda_.iter().zip(&self.equations) {
-            let h = stiffness * lambda_ * p.factor;
-            for &(i, u_i) in &p.u.value.terms {
-                for &(j, w_j) in &p.w.value.terms {
-                    for k in 0..3 {
-                        out[(i + k) * n + j + k] += h * u_i * w_j;
-                        out[(j + k) * n + i + k] += h * u_i * w_j;
-                    }
-                }
-            }
+            add_product_hessian(&p.u, &p.w, x.len(), stiffness * lambda_ * p.factor, out);
         }
     }
 
-    fn acceleration(&self, _t: f64, _x: &[f64], v: &[f64], out: &mut [f64]) {
+    fn acceleration(&self, _now: Moment<'_>, _x: &[f64], v: &[f64], out: &mut [f64]) {
         for (out, p) in out.iter_mut().zip(&self.equations) {
             *out = 2.0 * p.factor * p.u.rate(v).dot(&p.w.rate(v));
         }
     }
 
-    fn jerk(&self, _t: f64, _x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+    fn jerk(&self, _now: Moment<'_>, _x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
         for (out, p) in out.iter_mut().zip(&self.equations) {
             let mixed = p.u.rate(a).dot(&p.w.rate(v)) + p.u.rate(v).dot(&p.w.rate(a));
             *out = 3.0 * p.factor * mixed;
         }
     }
 
-    fn reaction(&self, _t: f64, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]) {
+    fn reaction(&self, _now: Moment<'_>, x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]) {
         // A vector u that turns with a body by d theta changes by d theta x u: a force f on it is the moment u x f.
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (lambda_, p) in lambda_.iter().zip(&self.equations) {
@@ -212,16 +189,7 @@ impl Joint for Products {
     }
 
     fn motion(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {
-        let product = |u: &Arm, w: &Arm| {
-            let (value, against) = (u.at(x), w.at(x));
-            [value.dot(&against), u.rate(v).dot(&against) + value.dot(&w.rate(v))]
-        };
-        Some(match self.freedom.as_ref()? {
-            Freedom::Angle { u, cosine, sine, sign } => {
-                let ([c, dc], [s, ds]) = (product(u, cosine), product(u, sine));
-                [sign * s.atan2(c), sign * (c * ds - s * dc) / (c * c + s * s)]
-            }
-            Freedom::Length { u, w } => product(u, w),
-        })
+        let [y, rate, ..] = self.freedom.as_ref()?.motion(x, v, v);
+        Some([y, rate])
     }
 }

@@ -8,6 +8,7 @@
 use super::{Draft, Joint};
 use crate::dof_map::CableMap;
 use crate::point::{Interpolation, Support};
+use crate::signal::Moment;
 use crate::vector::vector;
 use nalgebra::Vector3;
 use pliant_math::hermite;
@@ -120,13 +121,13 @@ impl Joint for SlideCable {
         out.fill(length);
     }
 
-    fn residual(&self, _t: f64, x: &[f64], phi: &mut [f64]) {
+    fn residual(&self, _now: Moment<'_>, x: &[f64], phi: &mut [f64]) {
         let (e, shapes) = self.shapes(x[self.s]);
         let gap = vector(self.point.at(x)) - self.sum(e, shapes[0], x);
         phi.copy_from_slice(gap.as_slice());
     }
 
-    fn jacobian(&self, _t: f64, x: &[f64], out: &mut [f64]) {
+    fn jacobian(&self, _now: Moment<'_>, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let n = x.len();
         let (e, shapes) = self.shapes(x[self.s]);
@@ -157,7 +158,14 @@ impl Joint for SlideCable {
         out.push((self.s, self.s, here));
     }
 
-    fn add_hessian(&self, _t: f64, x: &[f64], lambda_: &[f64], stiffness: f64, out: &mut [f64]) {
+    fn add_hessian(
+        &self,
+        _now: Moment<'_>,
+        x: &[f64],
+        lambda_: &[f64],
+        stiffness: f64,
+        out: &mut [f64],
+    ) {
         let mut entries = Vec::new();
         self.hessian_entries(x, lambda_, &mut entries);
         for (i, j, entry) in entries {
@@ -165,7 +173,7 @@ impl Joint for SlideCable {
         }
     }
 
-    fn acceleration(&self, _t: f64, x: &[f64], v: &[f64], out: &mut [f64]) {
+    fn acceleration(&self, _now: Moment<'_>, x: &[f64], v: &[f64], out: &mut [f64]) {
         let (e, shapes) = self.shapes(x[self.s]);
         let rate = v[self.s];
         let turning = self.sum(e, shapes[1], v) * (2.0 * rate);
@@ -173,7 +181,7 @@ impl Joint for SlideCable {
         out.copy_from_slice((-turning - bending).as_slice());
     }
 
-    fn jerk(&self, _t: f64, x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+    fn jerk(&self, _now: Moment<'_>, x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
         let (e, [_, first, second, third]) = self.shapes(x[self.s]);
         let (rate, growth) = (v[self.s], a[self.s]);
         let sum = self.sum(e, first, a) * (3.0 * rate)
@@ -184,7 +192,7 @@ impl Joint for SlideCable {
         out.copy_from_slice((-sum).as_slice());
     }
 
-    fn reaction(&self, _t: f64, _x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]) {
+    fn reaction(&self, _now: Moment<'_>, _x: &[f64], lambda_: &[f64]) -> ([f64; 3], [f64; 3]) {
         ([0, 1, 2].map(|k| -lambda_[k]), [0.0; 3])
     }
 

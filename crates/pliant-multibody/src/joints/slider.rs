@@ -5,8 +5,9 @@
 //! Jacobian: row `d.n` holds n at the points and d at n. Hessian: multiplier times the identity between d and n.
 //! Minus the first two multipliers are the force on a along the normals. The freedom is d along the axis.
 
-use super::product::{Freedom, Product, Products};
+use super::product::{Product, Products};
 use super::side::{Side, gap, locked};
+use crate::freedom::Freedom;
 use crate::vector::normals;
 use nalgebra::Vector3;
 

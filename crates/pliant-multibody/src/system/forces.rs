@@ -62,7 +62,8 @@ impl Model {
     pub(super) fn has_work(&self) -> bool {
         let works =
             |f: &PlacedForce| f.force.is_rheonomic() || f.force.parts().contains(&Part::Work);
-        !self.loads.is_empty() || self.forces.iter().any(works)
+        let driven = self.joints.iter().any(|joint| joint.joint.is_driven());
+        driven || !self.loads.is_empty() || self.forces.iter().any(works)
     }
 }
 

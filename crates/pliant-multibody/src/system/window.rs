@@ -3,6 +3,7 @@
 
 use crate::joints::Joint;
 use crate::model::PlacedJoint;
+use crate::signal::Moment;
 use pliant_dae::problem::{Point, Weights};
 use pliant_dae::structure::{Storage, Structure, entries, entry_number};
 
@@ -18,7 +19,7 @@ impl Window<'_> {
     pub fn tangents(
         &self,
         structure: &Structure,
-        (at, x): (Point<'_>, &[f64]),
+        (at, now, x): (Point<'_>, Moment<'_>, &[f64]),
         weights: Weights,
         jacobian: &mut Vec<f64>,
         values: &mut [f64],
@@ -26,7 +27,7 @@ impl Window<'_> {
         let (n, m) = (x.len(), self.joint.equations());
         jacobian.clear();
         jacobian.resize(n * m, 0.0);
-        self.joint.jacobian(at.t, x, jacobian);
+        self.joint.jacobian(now, x, jacobian);
         let mut hessian = Vec::new();
         let lambda_ = &at.lambda_[self.placed.first..self.placed.first + m];
         self.joint.hessian_entries(x, lambda_, &mut hessian);

@@ -1,0 +1,192 @@
+//! The freedom that a joint leaves, as a number y(q): an angle or a way, with its derivatives.
+//!
+//! Both are made of products u.w of vectors affine in the coordinates. A way is one product. An angle is
+//! `Im log z`, `z = c + i s` with two of them, so that with `w_k = z^(k)/z` its time derivatives are `Im w_1`,
+//! `Im (w_2 - w_1^2)`, `Im (w_3 - 3 w_1 w_2 + 2 w_1^3)`.
+
+use crate::joints::product::{Arm, Role};
+use crate::point::{Interpolation, Support};
+use nalgebra::{Complex, Vector3};
+use std::f64::consts::TAU;
+
+/// The freedom that a joint leaves, as a number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Freedom {
+    /// The angle of u in the plane (cosine, sine), times a sign.
+    Angle {
+        /// The vector that turns.
+        u: Arm,
+        /// Where the angle is zero.
+        cosine: Arm,
+        /// Where it is a right angle.
+        sine: Arm,
+        /// 1, or -1 where u belongs to the second body.
+        sign: f64,
+    },
+    /// The product u.w.
+    Length {
+        /// The gap.
+        u: Arm,
+        /// The direction.
+        w: Arm,
+    },
+}
+
+/// Value of u.w and its first three time derivatives, the third at zero jerk.
+fn product(u: &Arm, w: &Arm, x: &[f64], v: &[f64], a: &[f64]) -> [f64; 4] {
+    let (u0, u1, u2) = (u.at(x), u.rate(v), u.rate(a));
+    let (w0, w1, w2) = (w.at(x), w.rate(v), w.rate(a));
+    [
+        u0.dot(&w0),
+        u1.dot(&w0) + u0.dot(&w1),
+        u2.dot(&w0) + 2.0 * u1.dot(&w1) + u0.dot(&w2),
+        3.0 * (u2.dot(&w1) + u1.dot(&w2)),
+    ]
+}
+
+/// `out += factor d(u.w)/dx`
+fn add_gradient(u: &Arm, w: &Arm, x: &[f64], factor: f64, out: &mut [f64]) {
+    w.value.add_force((u.at(x) * factor).into(), out);
+    u.value.add_force((w.at(x) * factor).into(), out);
+}
+
+/// `out += factor d2(u.w)/dx2`, n x n row by row.
+pub(crate) fn add_product_hessian(u: &Arm, w: &Arm, n: usize, factor: f64, out: &mut [f64]) {
+    for &(i, u_i) in &u.value.terms {
+        for &(j, w_j) in &w.value.terms {
+            let h = factor * u_i * w_j;
+            for k in 0..3 {
+                out[(i + k) * n + j + k] += h;
+                out[(j + k) * n + i + k] += h;
+            }
+        }
+    }
+}
+
+impl Freedom {
+    /// Whether it is an angle, known up to whole turns.
+    #[must_use]
+    pub fn is_angle(&self) -> bool {
+        matches!(self, Self::Angle { .. })
+    }
+
+    /// Its vectors.
+    #[must_use]
+    pub fn interpolations(&self) -> Vec<&Interpolation> {
+        match self {
+            Self::Angle { u, cosine, sine, .. } => vec![&u.value, &cosine.value, &sine.value],
+            Self::Length { u, w } => vec![&u.value, &w.value],
+        }
+    }
+
+    /// The same over the coordinates of a support.
+    #[must_use]
+    pub fn placed(&self, support: &Support) -> Self {
+        let local = |arm: &Arm| Arm { value: support.localize(&arm.value), role: arm.role };
+        match self {
+            Self::Angle { u, cosine, sine, sign } => {
+                Self::Angle { u: local(u), cosine: local(cosine), sine: local(sine), sign: *sign }
+            }
+            Self::Length { u, w } => Self::Length { u: local(u), w: local(w) },
+        }
+    }
+
+    /// y, y', y'' and y''' at zero jerk; angles from -pi to pi.
+    #[must_use]
+    pub fn motion(&self, x: &[f64], v: &[f64], a: &[f64]) -> [f64; 4] {
+        match self {
+            Self::Angle { u, cosine, sine, sign } => {
+                let (c, s) = (product(u, cosine, x, v, a), product(u, sine, x, v, a));
+                let z: [Complex<f64>; 4] = std::array::from_fn(|k| Complex::new(c[k], s[k]));
+                let [w1, w2, w3] = [1, 2, 3].map(|k| z[k] / z[0]);
+                let third = w3 - w1 * w2 * 3.0 + w1 * w1 * w1 * 2.0;
+                [z[0].arg(), w1.im, (w2 - w1 * w1).im, third.im].map(|y| sign * y)
+            }
+            Self::Length { u, w } => product(u, w, x, v, a),
+        }
+    }
+
+    /// y, angles from -pi to pi.
+    #[must_use]
+    pub fn value(&self, x: &[f64]) -> f64 {
+        match self {
+            Self::Angle { u, cosine, sine, sign } => {
+                let u = u.at(x);
+                sign * u.dot(&sine.at(x)).atan2(u.dot(&cosine.at(x)))
+            }
+            Self::Length { u, w } => u.at(x).dot(&w.at(x)),
+        }
+    }
+
+    /// y; of angles the one nearest to `reference`.
+    #[must_use]
+    pub fn near(&self, x: &[f64], reference: f64) -> f64 {
+        let y = self.value(x);
+        if self.is_angle() { y + TAU * ((reference - y) / TAU).round() } else { y }
+    }
+
+    /// `out += factor dy/dx`
+    pub fn add_gradient(&self, x: &[f64], factor: f64, out: &mut [f64]) {
+        match self {
+            Self::Angle { u, cosine, sine, sign } => {
+                // d theta = (c ds - s dc)/|z|^2
+                let (c, s) = (u.at(x).dot(&cosine.at(x)), u.at(x).dot(&sine.at(x)));
+                let f = sign * factor / (c * c + s * s);
+                add_gradient(u, sine, x, f * c, out);
+                add_gradient(u, cosine, x, -f * s, out);
+            }
+            Self::Length { u, w } => add_gradient(u, w, x, factor, out),
+        }
+    }
+
+    /// `out += factor d2y/dx2`, n x n row by row.
+    pub fn add_hessian(&self, x: &[f64], factor: f64, out: &mut [f64]) {
+        let n = x.len();
+        match self {
+            Self::Angle { u, cosine, sine, sign } => {
+                // Im of z_xx/z - z_x z_x^T/z^2
+                let (c, s) = (u.at(x).dot(&cosine.at(x)), u.at(x).dot(&sine.at(x)));
+                let square = c * c + s * s;
+                let f = sign * factor / square;
+                add_product_hessian(u, sine, n, f * c, out);
+                add_product_hessian(u, cosine, n, -f * s, out);
+                let (mut c_x, mut s_x) = (vec![0.0; n], vec![0.0; n]);
+                add_gradient(u, cosine, x, 1.0, &mut c_x);
+                add_gradient(u, sine, x, 1.0, &mut s_x);
+                let (same, mixed) = (2.0 * c * s * f / square, (c * c - s * s) * f / square);
+                for i in 0..n {
+                    for j in 0..n {
+                        out[i * n + j] += same * (c_x[i] * c_x[j] - s_x[i] * s_x[j])
+                            - mixed * (c_x[i] * s_x[j] + s_x[i] * c_x[j]);
+                    }
+                }
+            }
+            Self::Length { u, w } => add_product_hessian(u, w, n, factor, out),
+        }
+    }
+
+    /// Force and moment on the first body, about the joint's point, of a force of one along the freedom.
+    #[must_use]
+    pub fn wrench(&self, x: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        let mut on = |arm: &Arm, f: Vector3<f64>| match arm.role {
+            Role::Gap => force += f,
+            Role::OfFirst => moment += arm.at(x).cross(&f),
+            Role::Other => {}
+        };
+        match self {
+            Self::Angle { u, cosine, sine, sign } => {
+                let (c, s) = (u.at(x).dot(&cosine.at(x)), u.at(x).dot(&sine.at(x)));
+                let f = sign / (c * c + s * s);
+                on(u, (sine.at(x) * c - cosine.at(x) * s) * f);
+                on(sine, u.at(x) * (f * c));
+                on(cosine, u.at(x) * (-f * s));
+            }
+            Self::Length { u, w } => {
+                on(u, w.at(x));
+                on(w, u.at(x));
+            }
+        }
+        (force, moment)
+    }
+}
