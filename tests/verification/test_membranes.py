@@ -1,0 +1,98 @@
+"""Membranes: closed forms of Hencky, the balloon, shear, spinning discs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pliant as pl
+
+
+def test_pure_shear_of_a_film(record):
+    # E12 = g/2: the tension field carries N11 = N22 = N12 = E h g/4 and stores h E g^2/8.
+    e, h, g = 2e9, 1e-5, 0.01
+    film = pl.SaintVenantKirchhoff(youngs_modulus=e, poisson_ratio=0.3, density=1400.0)
+    for wrinkling, expected in ((0.0, e * h * g**2 / 8), (False, e * h * g**2 / (4 * 1.3))):
+        model = pl.Model()
+        mesh = pl.Mesh.rectangle(1, 1, divisions=(2, 2))
+        # The metric of simple shear without change of the other two strains.
+        shear = np.array([[1.0, g], [0.0, np.sqrt(1 - g**2)]])
+        places = np.column_stack([mesh.points[:, :2] @ shear.T, np.zeros(len(mesh.points))])
+        sheet = model.add_membrane(mesh, thickness=h, material=film, wrinkling=wrinkling, initial=places)
+        stepper = pl.Stepper(model, step=1e-9)
+        name = "film" if wrinkling is not False else "elastic sheet"
+        found = float(stepper.energy.elastic)
+        # Constant strain: rounding of strains of one in a hundred.
+        assert record(
+            f"pure shear of {name}, energy", found, expected, 1e-9 * expected, unit="J", source="closed form"
+        )
+        assert (stepper.strain(sheet).regime == (1 if name == "film" else 0)).all()
+
+
+def test_slack_and_taut_films_are_told_apart():
+    film = pl.SaintVenantKirchhoff(youngs_modulus=2e9, poisson_ratio=0.3, density=1400.0)
+    for factors, regime in (((1.01, 1.01), 0), ((1.01, 0.98), 1), ((0.99, 0.98), 2)):
+        model = pl.Model()
+        mesh = pl.Mesh.rectangle(1, 1, divisions=(1, 1))
+        sheet = model.add_membrane(
+            mesh, thickness=1e-5, material=film, initial=mesh.points * np.array([*factors, 1.0])
+        )
+        assert pl.Stepper(model, step=1e-9).strain(sheet).regime == regime
+
+
+def test_inflated_tube_of_rubber(record):
+    """A quarter of a long tube, incompressible: p R/(mu h) = 1 - C33/l^2 with C33 = l^-2."""
+    radius, thickness, mu, stretch = 1.0, 0.01, 1e6, 1.15
+    rubber = pl.NeoHookean(youngs_modulus=3 * mu, poisson_ratio=0.5, density=1000.0)
+    pressure = mu * thickness / radius * (1 - stretch**-4)
+
+    def tube(u, v):
+        return radius * np.cos(u), radius * np.sin(u), v
+
+    model = pl.Model()
+    mesh = pl.Mesh.surface(tube, (0, np.pi / 2), (0, 0.5), divisions=(4, 1))
+    wall = model.add_shell(mesh, thickness=thickness, material=rubber)
+    model.symmetry(wall.edge("u_min"), (0, 1, 0))
+    model.symmetry(wall.edge("u_max"), (1, 0, 0))
+    for edge in ("v_min", "v_max"):
+        model.symmetry(wall.edge(edge), (0, 0, 1))
+    model.add_pressure(wall, pressure)
+    result = pl.solve_static(model, load_steps=4)
+    found = float(result.track(wall.node(0)).position[-1, 0])
+    # The stiffness of bending and the cubic line of a quarter circle are felt in the fifth digit.
+    assert record("inflated tube, radius", found, stretch * radius, 3e-4, unit="m", source="closed form")
+
+
+def disc(radius: float, rings: int) -> pl.Mesh:
+    """A disc of quadrilaterals, a square in the middle whose sides bulge into circles."""
+    x = np.linspace(-1, 1, 2 * rings + 1)
+    u, v = np.meshgrid(x, x, indexing="ij")
+    largest = np.maximum(abs(u), abs(v))
+    round_ = np.hypot(u, v)
+    scale = np.where(round_ > 0, largest / np.where(round_ > 0, round_, 1.0), 1.0)
+    blend = largest**2
+    factor = (1 - blend) * 0.8 + blend * scale
+    points = radius * np.stack([u * factor, v * factor, 0 * u], axis=-1).reshape(-1, 3)
+    n = 2 * rings + 1
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"))
+    quads = np.stack([i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1], axis=1)
+    return pl.Mesh(points, quads)
+
+
+def test_circular_membrane_under_pressure(record):
+    """Hencky's problem in Foeppl's theory: w0 = 0.653443 a (p a/(E h))^(1/3) for nu = 0.3."""
+    radius, thickness, e = 1.0, 1e-3, 1e9
+    pressure = 1e-5 * e * thickness / radius
+    film = pl.SaintVenantKirchhoff(youngs_modulus=e, poisson_ratio=0.3, density=1400.0)
+    mesh = disc(radius, 8)
+    height = 0.65 * 1e-5 ** (1 / 3)
+    bump = mesh.points.copy()
+    bump[:, 2] = height * (1 - (bump[:, 0] ** 2 + bump[:, 1] ** 2) / radius**2)
+    model = pl.Model()
+    sheet = model.add_membrane(mesh, thickness=thickness, material=film, initial=bump)
+    model.pin(sheet.edge("rim"))
+    model.add_pressure(sheet, pressure)
+    result = pl.solve_static(model)
+    middle = sheet.at((0, 0, 0))
+    found = float(result.track(middle).position[-1, 2])
+    expected = 0.6534433449821498 * radius * (pressure * radius / (e * thickness)) ** (1 / 3)
+    # Second order: 16 bilinear elements across, corners of the disc cut by 1e-3 of its area.
+    assert record("Hencky's membrane, height", found, expected, 1e-2 * expected, unit="m", source="Hencky")
