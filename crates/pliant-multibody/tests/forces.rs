@@ -1,6 +1,5 @@
 //! Every kind of force: the stored part against differences of the energy, the tangent against differences of the
 //! force, dampers that only take, and the balance of energy in a run.
-#![allow(clippy::unwrap_used)]
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod support;

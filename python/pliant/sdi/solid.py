@@ -281,7 +281,7 @@ class Solid:
                 step *= 0.5
             stalled = stalled + 1 if error_new > 0.9 * error else 0
             u, master, r, on_end, error = v, q, r_new, end_new, error_new
-            if stalled == 3:
+            if stalled == 6:
                 break
         raise ConvergenceError("Newton's method stalls", residuals=history)
 
