@@ -5,8 +5,8 @@ mod surfaces;
 
 use common::Random;
 use pliant_elements::{
-    Block, Motion, SURFACE_KINDS, SurfaceBlock, SurfaceKind, SurfaceLaw, Weights, Workspace,
-    elements::KINDS, materials::PlaneStress, testing,
+    Block, Motion, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceKind, SurfaceLaw, Weights,
+    Workspace, elements::KINDS, materials::PlaneStress, testing,
 };
 use pliant_math::Dual;
 use pliant_math::check::{central_difference, dual_jacobian, relative_error};
@@ -303,4 +303,33 @@ fn film_is_elastic_where_taut_and_uniaxial_where_wrinkled() {
     assert!((w / (h * surfaces::E * g * g / 8.0) - 1.0).abs() < 1e-12);
     let [n, _] = ideal.resultants(h, [-0.01, -0.02, 0.001], none);
     assert_eq!(n, [0.0; 3]);
+}
+
+/// No modes but the six of rigid motion are free of energy, flat and curved, in every rule.
+#[test]
+fn only_rigid_motions_are_free_of_energy() {
+    for kind in SURFACE_KINDS.into_iter().filter(|kind| kind.bends()) {
+        for quadrature in [Quadrature::Standard, Quadrature::Reduced, Quadrature::Full] {
+            for surface in [surfaces::flat as surfaces::Surface, surfaces::curved] {
+                let law = SurfaceLaw { quadrature, ..surfaces::svk() };
+                let (block, q) = surfaces::mesh(kind, law, surface, [3, 2], [0.5, 0.4]);
+                let zero = vec![0.0; q.len()];
+                let motion = Motion { q: &q, v: &zero, a: &zero };
+                let stiffness = surfaces::assembled(&block, motion, STIFFNESS);
+                // Against the mass, so that slopes and twists count as what they move.
+                let mass = surfaces::assembled(&block, motion, MASS);
+                let Some(root) = mass.cholesky() else { panic!("{kind:?}: singular mass") };
+                let inverse = root.l().try_inverse().unwrap();
+                let reduced = &inverse * stiffness * inverse.transpose();
+                let mut squares: Vec<f64> =
+                    reduced.symmetric_eigenvalues().iter().copied().collect();
+                squares.sort_by(f64::total_cmp);
+                let scale = squares[squares.len() - 1];
+                let free = squares.iter().filter(|&&w| w.abs() < 1e-11 * scale).count();
+                // A flat mesh of cylindrical elements folds along the line where its two rows meet, as documented.
+                let hinges = usize::from(kind == SurfaceKind::Cylindrical);
+                assert!((6..=6 + hinges).contains(&free), "{kind:?} {quadrature:?}: {squares:?}");
+            }
+        }
+    }
 }
