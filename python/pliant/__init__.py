@@ -20,19 +20,19 @@ from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff, youngs_modulus_from_shore_a
 from pliant.mesh import Mesh
 from pliant.model import Model
-from pliant.modes import Modes, solve_modes
 from pliant.points import Cable, CableNet, Joint, Line, Load, Point, PointMass, RigidBody
-from pliant.result import Result
 from pliant.sections import Circle, Rectangle, Section, Tube
 from pliant.shapes import Box, Capsule, Cylinder, Sphere
 from pliant.signals import Input, Ramp, Table
-from pliant.simulation import resume, simulate, simulate_many
-from pliant.statics import solve_static
-from pliant.stepper import Stepper
 from pliant.surfaces import Edge, Faces, Membrane, Shell
 
 if TYPE_CHECKING:
     from pliant import scenes, sdi
+    from pliant.modes import Modes, solve_modes
+    from pliant.result import Result
+    from pliant.simulation import resume, simulate, simulate_many
+    from pliant.statics import solve_static
+    from pliant.stepper import Stepper
 
 __all__ = [
     "Box",
@@ -81,13 +81,30 @@ __all__ = [
 ]
 
 
+# What runs models is imported when it is asked for first: describing one takes much less.
+_HOMES = {
+    "Modes": "pliant.modes",
+    "Result": "pliant.result",
+    "Stepper": "pliant.stepper",
+    "__version__": "pliant._core",
+    "resume": "pliant.simulation",
+    "simulate": "pliant.simulation",
+    "simulate_many": "pliant.simulation",
+    "solve_modes": "pliant.modes",
+    "solve_static": "pliant.statics",
+}
+
+
 def __getattr__(name: str) -> object:
     import importlib
 
     if name in ("scenes", "sdi"):
         return importlib.import_module(f"pliant.{name}")
-    if name == "__version__":
-        from pliant import _core
+    if name not in _HOMES:
+        raise AttributeError(f"module 'pliant' has no attribute '{name}'")
+    value = globals()[name] = getattr(importlib.import_module(_HOMES[name]), name)
+    return value
 
-        return _core.__version__
-    raise AttributeError(f"module 'pliant' has no attribute '{name}'")
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import reprlib
 from collections.abc import Iterable
 from numbers import Integral, Real
@@ -35,33 +36,39 @@ def number(
     at_most: float | None = None,
 ) -> float:
     """Return ``value`` as a finite float within the limits."""
+    x = value if type(value) is float else _real(value)
+    if (
+        math.isfinite(x)
+        and (above is None or x > above)
+        and (at_least is None or x >= at_least)
+        and (below is None or x < below)
+        and (at_most is None or x <= at_most)
+    ):
+        return x
     limits = [
         f"{word} {limit:g}"
         for word, limit in (("above", above), ("at least", at_least), ("below", below), ("at most", at_most))
         if limit is not None
     ]
-    allowed = "must be a finite number" + (" " + " and ".join(limits) if limits else "")
+    fail(name, value, "must be a finite number" + (" " + " and ".join(limits) if limits else ""))
+
+
+def _real(value: object) -> float:
+    """Return a real number as a float, NaN for anything else."""
     if isinstance(value, np.ndarray) and value.shape == ():
         value = value[()]
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        fail(name, value, allowed)
+        return math.nan
     try:
-        x = float(value)
+        return float(value)
     except OverflowError:
-        fail(name, value, allowed)
-    if (
-        not np.isfinite(x)
-        or (above is not None and not x > above)
-        or (at_least is not None and not x >= at_least)
-        or (below is not None and not x < below)
-        or (at_most is not None and not x <= at_most)
-    ):
-        fail(name, value, allowed)
-    return x
+        return math.nan
 
 
 def count(value: object, name: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
     """Return ``value`` as an int within the limits."""
+    if type(value) is int and at_least <= value <= at_most:
+        return value
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Integral):
         fail(name, value, f"must be a whole number from {at_least} to {at_most}")
     if not at_least <= int(value) <= at_most:
@@ -118,7 +125,7 @@ def array(value: object, name: str, shape: tuple[int | None, ...], allowed: str 
         n is not None and n != m for n, m in zip(shape, result.shape, strict=True)
     ):
         fail(name, value, f"{allowed}, not {result.shape}")
-    if not np.all(np.isfinite(result)):
+    if not np.isfinite(result).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
         at = ", ".join(map(str, where))
         fail(f"{name}[{at}]", float(result[where]), f"{allowed}")
@@ -128,6 +135,16 @@ def array(value: object, name: str, shape: tuple[int | None, ...], allowed: str 
 def vector(value: object, name: str) -> FloatArray:
     """Return ``value`` as three finite floats."""
     return array(value, name, (3,), "must be three finite numbers")
+
+
+def triple(value: object, name: str) -> tuple[float, float, float]:
+    """Return ``value`` as three finite floats, not an array."""
+    if type(value) is tuple and len(value) == 3:
+        x, y, z = value
+        if type(x) is type(y) is type(z) is float and math.isfinite(x + y + z):
+            return x, y, z
+    x, y, z = vector(value, name).tolist()
+    return x, y, z
 
 
 def points(value: object, name: str, at_least: int) -> FloatArray:

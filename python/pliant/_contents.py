@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import uuid
+import os
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -39,11 +40,14 @@ class Contents:
 
     def __init__(self, gravity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self._gravity = _check.vector(gravity, "gravity")
-        self._identity = uuid.uuid4().hex
+        self._identity = os.urandom(16).hex()
         self._bodies: dict[str, Body] = {}
         self._joints: dict[str, JointData] = {}
         self._loads: dict[str, LoadData] = {}
         self._latches: dict[str, Latch] = {}
+        # Things are added and stay as they are: what is known of the first of them remains true.
+        self._numbers: dict[str, int] = {}
+        self._box = (0, np.full(3, np.inf), np.full(3, -np.inf))
 
     @property
     def gravity(self) -> FloatArray:
@@ -141,16 +145,19 @@ class Contents:
             raise ModelError(f"'{name}': '{part.body}' has another mesh")
 
     def _new_name(self, name: object, kind: str) -> str:
-        taken = {*self._bodies, *self._joints, *self._loads}
         if name is None:
-            k = 1
-            while f"{kind}{k}" in taken:
+            k = self._numbers.get(kind, 1)
+            while self._is_taken(f"{kind}{k}"):
                 k += 1
+            self._numbers[kind] = k
             return f"{kind}{k}"
         name = _check.text(name, "name")
-        if name in taken:
+        if self._is_taken(name):
             _check.fail("name", name, "is taken in this model; choose another")
         return name
+
+    def _is_taken(self, name: str) -> bool:
+        return name in self._bodies or name in self._joints or name in self._loads
 
     def _mass_handle(self, name: str) -> PointMass:
         body = self._bodies[name]
@@ -319,13 +326,12 @@ class Contents:
 
     def _size(self) -> float:
         """Largest edge of the box around the model [m]."""
-        places = [body.r for body in self._bodies.values() if isinstance(body, (LineBody, SurfaceBody))]
-        places += [np.array([b.position.position]) for b in self._bodies.values() if isinstance(b, MassBody)]
-        for b in self._bodies.values():
-            if isinstance(b, RigidBodyData):
-                gyration = float(np.sqrt(np.trace(b.inertia) / 2.0 / b.mass))
-                places.append(b.position + gyration * np.array([[-1.0], [1.0]]))
-        size = float(np.ptp(np.vstack(places), axis=0).max())
+        known, low, high = self._box
+        for body in islice(self._bodies.values(), known, None):
+            places = _outline(body)
+            low, high = np.minimum(low, places.min(axis=0)), np.maximum(high, places.max(axis=0))
+        self._box = (len(self._bodies), low, high)
+        size = float((high - low).max())
         return size if size > 0 else 1.0
 
     def _require_in_plane(self, body: Body, value: Any, name: str, along: bool = False) -> None:
@@ -357,6 +363,15 @@ class Contents:
                 str(other),
                 f"cable '{confined.name}' is curved at rest and confined to a plane; '{free.name}' is not",
             )
+
+
+def _outline(body: Body) -> FloatArray:
+    """Points whose box holds the body at the start, (n, 3); rigid bodies have their radius of gyration."""
+    if isinstance(body, RigidBodyData):
+        gyration = float(np.sqrt(np.trace(body.inertia) / 2.0 / body.mass))
+        cube: FloatArray = body.position + gyration * np.array([[-1.0], [1.0]])
+        return cube
+    return np.array([body.position.position]) if isinstance(body, MassBody) else body.r
 
 
 def world_point(place: FloatArray) -> WorldPoint:

@@ -225,6 +225,8 @@ class Integrator:
     def q(self) -> FloatArray: ...
     @property
     def v(self) -> FloatArray: ...
+    def combine(self, offsets: list[int], weights: list[float], velocities: bool) -> FloatArray:
+        """Weighted sum of vectors of three coordinates, or of their velocities, that begin at the offsets."""
     def statistics(self) -> dict[str, Any]:
         """``steps``, ``rejected``, ``newton_iterations``, ``factorizations`` and ``seconds`` by part."""
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._lowered import Lowered
-from pliant.bodies import LineBody
+from pliant.bodies import LineBody, MassBody
 from pliant.errors import translated
 from pliant.points import Handle, Joint, Point, WorldPoint, require_handle
 from pliant.readings import CriticalPoint, Statistics
@@ -125,28 +125,30 @@ class Lookup:
             offsets = self._offsets(name)[:, 0]
         return np.ascontiguousarray(rows[:, offsets[:, None] + np.arange(3)])
 
-    def _at(self, point: Point | WorldPoint, rows: Rows) -> FloatArray:
+    def _where(self, point: Point | WorldPoint) -> tuple[IntArray, FloatArray]:
+        """Offsets in q of the vectors whose weighted sum is a point, and the weights, each (k,)."""
         assert isinstance(point, Point)
         data = self.model._bodies[point.body]
+        if isinstance(data, MassBody) and data.at is not None:
+            return self._where(data.at)
+        offsets = self._offsets(point.body)
         if isinstance(data, RigidBodyData):
-            vectors = rows[:, self._offsets(point.body) + np.arange(3)]
-            place: FloatArray = np.einsum("i,nik->nk", data.weights(point), vectors)
-            return place
+            return offsets[:, 0], data.weights(point)
         if isinstance(data, SurfaceBody):
-            offsets = self._offsets(point.body)[:, 0]
             if point.node is not None:
-                return np.ascontiguousarray(rows[:, offsets[point.node * data.vectors] + np.arange(3)])
+                return offsets[[point.node * data.vectors], 0], np.ones(1)
             index, functions = data.shape(point.element, point.at or (0.0, 0.0))
-            vectors = rows[:, offsets[index][:, None] + np.arange(3)]
-            place = np.einsum("i,nik->nk", functions[:, 0], vectors)
-            return place
+            return offsets[index, 0], functions[:, 0]
         if not isinstance(data, LineBody):
-            return np.ascontiguousarray(self._nodes(point.body, rows)[:, 0])
-        offsets = self._offsets(point.body)[:, :, None] + np.arange(3)
+            return offsets[:, 0], np.ones(1)
         if point.node is not None:
-            return np.ascontiguousarray(rows[:, offsets[data.first[point.node], 0]])
+            return offsets[data.first[point.node], :1], np.ones(1)
         first, weights = data.shape(point.element, point.xi)
-        vectors = rows[:, offsets[first : first + 2].reshape(4, 3)]
+        return offsets[first : first + 2].ravel(), weights
+
+    def _at(self, point: Point | WorldPoint, rows: Rows) -> FloatArray:
+        offsets, weights = self._where(point)
+        vectors = rows[:, offsets[:, None] + np.arange(3)]
         value: FloatArray = sum(w * vectors[:, k] for k, w in enumerate(weights))
         return value
 

@@ -291,8 +291,7 @@ class _Lowering(Sharing):
                 fields.pop(other, None)
             fields.update(a=self._point(joint.a), b=self._point(b))
             documents.append({"kind": KINDS.get(type(joint), type(joint).__name__.lower()), **fields})
-        for name in self.tree:
-            plan[name] = self._side(name)
+        plan.update(self._sides())
         return documents
 
     def _arc_length(self, joint: SlideCable) -> float:

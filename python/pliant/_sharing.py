@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from pliant.loads import Force, Moment, MovingForce
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.surfaces import SurfaceBody
-from pliant.typing import FloatArray, Json
+from pliant.typing import FloatArray, IntArray, Json
 
 if TYPE_CHECKING:
     from pliant.model import Model
@@ -40,6 +40,7 @@ class Sharing:
         self.lines = {name: body for name, body in model._bodies.items() if isinstance(body, LineBody)}
         self.masses = {name: body for name, body in model._bodies.items() if isinstance(body, MassBody)}
         self.rigid = {name: body for name, body in model._bodies.items() if isinstance(body, RigidBodyData)}
+        self.users: dict[str, tuple[IntArray, IntArray]] = {}
         self.lowered.rigid = {name: k for k, name in enumerate(self.rigid)}
         self.surfaces = {name: body for name, body in model._bodies.items() if isinstance(body, SurfaceBody)}
         self.lowered.surfaces = {name: k for k, name in enumerate(self.surfaces)}
@@ -105,10 +106,9 @@ class Sharing:
         rows: dict[str, list[tuple[int, int]]] = {name: [] for name in self.lines}
         places: list[FloatArray] = []
         speeds: list[FloatArray] = []
-        order: dict[str, Any] = {}
         for name, body in self.lines.items():
             sort = np.argsort(body.users, kind="stable")
-            order[name] = (sort, np.searchsorted(body.users[sort], np.arange(body.nodes + 1)))
+            self.users[name] = (sort, np.searchsorted(body.users[sort], np.arange(body.nodes + 1)))
         for number, nodes in enumerate(self.classes):
             name, k = nodes[0]
             first = self.lines[name].first[k]
@@ -116,8 +116,7 @@ class Sharing:
             places.append(source[name].r[first])
             speeds.append(self.state[name].v_r[first])
             for name, k in nodes:
-                sort, starts = order[name]
-                rows[name].extend((int(inner), number) for inner in sort[starts[k] : starts[k + 1]])
+                rows[name].extend((int(inner), number) for inner in self._inner(name, k))
         for name, mass in self.masses.items():
             if mass.at is None:
                 self.lowered.shared[name] = len(places)
@@ -125,6 +124,11 @@ class Sharing:
                 speeds.append(self.state[name].v_r[0])
         self.rows = rows
         return np.array(places).reshape(-1, 3), np.array(speeds).reshape(-1, 3)
+
+    def _inner(self, name: str, node: int) -> IntArray:
+        """Strand nodes that a node of a body stands for, ascending."""
+        sort, starts = self.users[name]
+        return sort[starts[node] : starts[node + 1]]
 
     def _awkward_nodes(self) -> set[Node]:
         """Nodes where forces at the node do not tell a shared pin's reaction: these get multipliers."""
@@ -212,33 +216,46 @@ class Sharing:
                 )
         return bodies
 
-    def _side(self, name: str) -> Json:
-        """Find what hangs on the first body's side of a shared pin: nodes, masses and joints."""
-        side = {self.tree[name][0]}
-        while True:
-            more = {
-                node
-                for other, ends in self.tree.items()
-                if other != name and (ends[0] in side or ends[1] in side)
-                for node in ends
+    def _sides(self) -> dict[str, Json]:
+        """Find what hangs on the first body's side of each shared pin: nodes, masses and joints."""
+        linked: dict[Node, list[Node]] = defaultdict(list)
+        for a, b in self.tree.values():
+            linked[a].append(b)
+            linked[b].append(a)
+        acting: dict[Node, list[tuple[int, str, float]]] = defaultdict(list)
+        for number, (name, joint) in enumerate(self.model._joints.items()):
+            if self.lowered.plan.get(name, {}).get("kind") == "multiplier":
+                for point, sign in zip(joint.points(), (1.0, -1.0), strict=False):
+                    node = self._line_node(point)
+                    if node is not None:
+                        acting[node].append((number, name, sign))
+        carrying: dict[Node, list[tuple[int, str]]] = defaultdict(list)
+        for number, mass in enumerate(self.masses.values()):
+            node = self._line_node(mass.at)
+            if node is not None:
+                carrying[node].append((number, mass.name))
+        sides = {}
+        for name, (first, second) in self.tree.items():
+            # A tree: without this pin the second node cannot be reached from the first.
+            side, open_nodes = {first}, [first]
+            while open_nodes:
+                here = open_nodes.pop()
+                for node in linked[here]:
+                    if node not in side and (here, node) != (first, second):
+                        side.add(node)
+                        open_nodes.append(node)
+            joints = sorted((entry for node in side for entry in acting.get(node, ())), key=_order)
+            masses = sorted(entry for node in side for entry in carrying.get(node, ()))
+            sides[name] = {
+                "kind": "shared",
+                "nodes": [[body, int(k)] for body, node in sorted(side) for k in self._inner(body, node)],
+                "masses": [mass for _, mass in masses],
+                "joints": [[joint, sign] for _, joint, sign in joints],
             }
-            if more <= side:
-                break
-            side |= more
-        model = self.model
-        joints = []
-        for other, joint in model._joints.items():
-            if self.lowered.plan.get(other, {}).get("kind") != "multiplier":
-                continue
-            points = zip(joint.points(), (1.0, -1.0), strict=False)
-            joints += [[other, sign] for point, sign in points if self._line_node(point) in side]
-        return {
-            "kind": "shared",
-            "nodes": [
-                [body, int(inner)]
-                for body, node in sorted(side)
-                for inner in self.lines[body].inner_nodes(node)
-            ],
-            "masses": [m.name for m in self.masses.values() if self._line_node(m.at) in side],
-            "joints": joints,
-        }
+        return sides
+
+
+def _order(entry: tuple[int, str, float]) -> tuple[int, float]:
+    """Joints as in the model, the first point before the second."""
+    number, _, sign = entry
+    return number, -sign

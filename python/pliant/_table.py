@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import html
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -33,6 +32,8 @@ def describe(model: Model) -> str:
 
 def table(head: str, rows: Iterable[Iterable[object]]) -> str:
     """Write a table for notebooks."""
+    import html
+
     cell = "<td style='text-align:left;padding:2px 10px'>"
     lines = ("".join(f"{cell}{html.escape(str(item))}</td>" for item in row) for row in rows)
     return f"<p>{html.escape(head)}</p><table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"

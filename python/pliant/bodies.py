@@ -21,8 +21,10 @@ from pliant.typing import FloatArray, IntArray
 
 __all__ = ["LineBody", "MassBody"]
 
-GAUSS_3 = 0.5 + 0.5 * np.polynomial.legendre.leggauss(3)[0]
-GAUSS_5 = 0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0]
+# In closed form: numpy.polynomial takes its time to import.
+_INNER, _OUTER = (np.sqrt(5.0 + sign * 2.0 * np.sqrt(10.0 / 7.0)) / 3.0 for sign in (-1.0, 1.0))
+GAUSS_3 = 0.5 + 0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
+GAUSS_5 = 0.5 + 0.5 * np.array([-_OUTER, -_INNER, 0.0, _INNER, _OUTER])
 LOBATTO_3 = np.array([0.0, 0.5, 1.0])
 
 SLACK_STIFFNESS = 1e-4  # of a cable without compression, relative to tension, as in the core
@@ -119,7 +121,7 @@ class LineBody:
         if length is not None and (not isinstance(length, Signal) or length.size != 1):
             _check.fail("rest_length", length, "must be a signal of one component")
 
-    @property
+    @cached_property
     def elements(self) -> int:
         """Number of elements."""
         return int(self.strands.sum())
@@ -139,15 +141,20 @@ class LineBody:
         """First strand node of each element, (elements,)."""
         return element_nodes(self.strands)
 
+    @cached_property
+    def node_places(self) -> tuple[IntArray, IntArray]:
+        """Element and end (0 or 1) of each node of the body, (nodes,) each."""
+        element = np.searchsorted(self.element_nodes, self.first, side="right") - 1
+        return element, self.first - self.element_nodes[element]
+
     def node_of(self, element: int, end: int) -> int:
         """Node of the body at an end (0 or 1) of an element."""
         return int(self.users[self.element_nodes[element] + end])
 
     def node_point(self, identity: str, node: int) -> Point:
         """Return the node as a material point."""
-        inner = int(self.first[node])
-        place = int(np.searchsorted(self.element_nodes, inner, side="right")) - 1
-        return Point(identity, self.name, place, float(inner - self.element_nodes[place]), node)
+        element, end = self.node_places
+        return Point(identity, self.name, int(element[node]), float(end[node]), node)
 
     def inner_nodes(self, node: int) -> IntArray:
         """Strand nodes that a node of the body stands for."""
@@ -268,7 +275,10 @@ def stretch_of_force(
             root = np.sqrt(eps**2 + SLACK_WIDTH**2)
             value = (1 - SLACK_STIFFNESS) / 2 * (eps + root - SLACK_WIDTH) + SLACK_STIFFNESS * eps
             slope = (1 - SLACK_STIFFNESS) / 2 * (1 + eps / root) + SLACK_STIFFNESS
-        stretch = stretch - (value * rate - load) / (slope * rate**2 + value * bend)
+        change = (value * rate - load) / (slope * rate**2 + value * bend)
+        stretch = stretch - change
+        if np.abs(change).max(initial=0.0) <= np.finfo(float).eps:
+            break
     return stretch
 
 
@@ -423,6 +433,8 @@ def _slopes(body: LineBody, values: FloatArray) -> FloatArray:
 def _with_velocity(body: LineBody, velocity: Any, angular_velocity: Any) -> LineBody:
     """Velocities of nodes and slopes from ``velocity`` and ``angular_velocity``."""
     omega = _check.vector(angular_velocity, "angular_velocity")
+    if velocity is None and not omega.any():
+        return body
     v_r = np.cross(omega, body.r)
     v_t = np.cross(omega, body.t)
     if callable(velocity):

@@ -9,11 +9,9 @@ is killed, the last whole checkpoint stays.
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import io
 import json
 import os
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -86,16 +84,21 @@ def write(path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
         rows: Records = getattr(checkpoint, place)
         arrays |= {f"{place}.{name}": np.asarray(column) for name, column in rows.columns()}
         arrays[f"{place}.history"] = rows.history
+    from hashlib import sha256
+
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)
     contents = buffer.getbuffer()
     with atomic(path) as temporary, temporary.open("wb") as file:
-        file.write(FORMAT + b" " + VERSION + b"\n" + hashlib.sha256(contents).digest())
+        file.write(FORMAT + b" " + VERSION + b"\n" + sha256(contents).digest())
         file.write(contents)
 
 
 def read(path: str | os.PathLike[str]) -> Checkpoint:
     """Read a checkpoint."""
+    from hashlib import sha256
+    from zipfile import BadZipFile
+
     if not isinstance(path, (str, os.PathLike)):
         raise FileError(f"{path!r}: must be the path of a checkpoint")
     try:
@@ -110,7 +113,7 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
         raise FileError(f"{path}: is not a checkpoint of pliant")
     if version != VERSION:
         raise FileError(f"{path}: has version {version[:20]!r}, this pliant reads {VERSION!r}")
-    if hashlib.sha256(rest[32:]).digest() != rest[:32]:
+    if sha256(rest[32:]).digest() != rest[:32]:
         raise FileError(f"{path}: is damaged: its contents do not match their digest")
     try:
         with np.load(io.BytesIO(rest[32:]), allow_pickle=False) as archive:
@@ -137,5 +140,5 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
                 rows("records"),
                 None if facts["output"] is None else (str(facts["output"][0]), int(facts["output"][1])),
             )
-    except (OSError, KeyError, ValueError, TypeError, ModelError, zipfile.BadZipFile) as error:
+    except (OSError, KeyError, ValueError, TypeError, ModelError, BadZipFile) as error:
         raise FileError(f"{path}: is damaged: {error}") from error

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
-import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pliant.errors import FileError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 __all__ = ["atomic"]
 
@@ -16,8 +18,10 @@ __all__ = ["atomic"]
 @contextmanager
 def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a temporary path beside ``path``; on success it replaces ``path``, on failure it is removed."""
+    from pathlib import Path
+
     target = Path(path)
-    temporary = target.with_name(f".{target.name}.{uuid.uuid4().hex}")
+    temporary = target.with_name(f".{target.name}.{os.urandom(16).hex()}")
     try:
         yield temporary
         with temporary.open("rb+") as file:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -610,6 +608,8 @@ class Model(Sheets, Actuation):
             File, ``model.json`` by custom. Python callables are refused; ``Table.sample`` makes tables of
             them.
         """
+        import json
+
         text = json.dumps(self.to_document())
         with atomic(path) as temporary:
             temporary.write_text(text)
@@ -617,6 +617,9 @@ class Model(Sheets, Actuation):
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Model:
         """Read a model from a JSON file; handles of the saved model serve it."""
+        import json
+        from pathlib import Path
+
         try:
             document = json.loads(Path(path).read_text())
         except OSError as error:

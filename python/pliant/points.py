@@ -67,8 +67,7 @@ class Point:
         if self.node is not None:
             _check.count(self.node, "node", at_least=0)
         if self.local is not None:
-            x, y, z = (float(c) for c in _check.vector(self.local, "local"))
-            object.__setattr__(self, "local", (x, y, z))
+            object.__setattr__(self, "local", _check.triple(self.local, "local"))
         if self.at is not None:
             u, v = (float(c) for c in _check.array(self.at, "at", (2,)))
             object.__setattr__(self, "at", (u, v))
@@ -89,8 +88,7 @@ class WorldPoint:
     position: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        x, y, z = (float(c) for c in _check.vector(self.position, "position"))
-        object.__setattr__(self, "position", (x, y, z))
+        object.__setattr__(self, "position", _check.triple(self.position, "position"))
 
     def __str__(self) -> str:
         return "world ({:.6g}, {:.6g}, {:.6g})".format(*self.position)
@@ -316,8 +314,8 @@ class RigidBody(Handle):
         local_point : array_like, shape (3,)
             Place from the centre of mass [m].
         """
-        x, y, z = (float(c) for c in _check.vector(local_point, "local_point"))
-        return Point(self.identity, self.name, 0, 0.0, local=(x, y, z))
+        local = _check.triple(local_point, "local_point")
+        return Point(self.identity, self.name, 0, 0.0, local=local)
 
 
 def require_handle(value: object, name: str, identity: str) -> None:

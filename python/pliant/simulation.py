@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
-from concurrent.futures import wait as wait_for
-from threading import Event
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pliant import _check
 from pliant._plan import Plan
@@ -24,6 +21,9 @@ from pliant.records import State
 from pliant.result import Result
 from pliant.stepper import Stepper
 from pliant.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from threading import Event
 
 __all__ = ["resume", "simulate", "simulate_many"]
 
@@ -259,6 +259,10 @@ def simulate_many(
     """
     if isinstance(models, Model) or not isinstance(models, Iterable):
         _check.fail("models", models, "must be several models")
+    from concurrent.futures import ThreadPoolExecutor
+    from concurrent.futures import wait as wait_for
+    from threading import Event
+
     queue = list(models)
     for k, model in enumerate(queue):
         if not isinstance(model, Model):

@@ -55,6 +55,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Stepper"]
 
+KNOWN_PLACES = 1024  # points whose place in the coordinates a stepper keeps
+
 T = TypeVar("T")
 
 
@@ -166,6 +168,7 @@ class Stepper:
         self._recorded_to: float | None = None
         self._present: Result | None = None
         self._reader: Result | None = None
+        self._places: dict[Point, tuple[list[int], list[float]]] = {}
         self._offsets: dict[str, IntArray] = {}
         with self._inputs.guarded(), translated():
             self._integrator = system.integrator(
@@ -349,11 +352,11 @@ class Stepper:
 
     def position(self, point: Point | PointMass) -> FloatArray:
         """Position of a material point [m], (3,)."""
-        return self._read(point, self._integrator.q)
+        return self._read(point, velocities=False)
 
     def velocity(self, point: Point | PointMass) -> FloatArray:
         """Velocity of a material point [m/s], (3,)."""
-        return self._read(point, self._integrator.v)
+        return self._read(point, velocities=True)
 
     def positions(self, body: Handle | str) -> FloatArray:
         """Positions of the nodes of a body [m], (nodes, 3)."""
@@ -431,12 +434,20 @@ class Stepper:
     def _steps(self) -> int:
         return self._integrator.steps
 
-    def _read(self, point: Point | PointMass, vector: FloatArray) -> FloatArray:
-        """Read a point from coordinates or velocities; where it is found there does not change with time."""
-        if self._reader is None:
-            self._reader = self._now
-        row: FloatArray = self._reader._at(self.model._point(point, "point"), vector[None])[0]
-        return row
+    def _read(self, point: Point | PointMass, *, velocities: bool) -> FloatArray:
+        """Read a point; where it is found, which model it belongs to included, does not change with time."""
+        # Points alone: handles of different kinds may be equal, those of copies of the model for instance.
+        place = self._places.get(point) if type(point) is Point else None
+        if place is None:
+            checked = self.model._point(point, "point")
+            if self._reader is None:
+                self._reader = self._now
+            offsets, weights = self._reader._where(checked)
+            place = (offsets.tolist(), weights.tolist())
+            if len(self._places) >= KNOWN_PLACES:
+                self._places.clear()
+            self._places[checked] = place
+        return self._integrator.combine(*place, velocities)
 
     @property
     def _now(self) -> Result:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -62,6 +61,8 @@ def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:
 
 
 def _digest(data: Any) -> str:
+    import hashlib
+
     digest = hashlib.sha256()
     for name, array in sorted(data, key=lambda item: str(item[0])):
         digest.update(name.encode())

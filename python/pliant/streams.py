@@ -7,7 +7,6 @@ counts from the moment its end and its digests stand in ``/blocks``; rows behind
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import time
@@ -67,6 +66,8 @@ def open_result(path: str | os.PathLike[str]) -> Any:
 
 
 def _digest(rows: FloatArray) -> bytes:
+    import hashlib
+
     return hashlib.blake2b(np.ascontiguousarray(rows).tobytes(), digest_size=DIGEST).digest()
 
 

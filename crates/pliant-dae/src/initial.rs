@@ -53,7 +53,7 @@ pub fn consistent_start<P: Problem + ?Sized>(
     }
     problem.leave_out(&[]);
     check_positions(problem, t, q, v)?;
-    let dependencies = leave_out_dependent(problem, solver, t, q)?;
+    let dependencies = leave_out_dependent(problem, t, q);
     check_dependent(problem, t, q, v, &dependencies, false)?;
     let mut velocity = v.to_vec();
     let (velocity_correction, most_corrected) =

@@ -87,7 +87,7 @@ pub fn solve_modes<P: Problem + ?Sized>(
     check_length("lambda_", lambda_, problem.multipliers())?;
     let zero = vec![0.0; problem.velocities()];
     let at = Point { t, q, v: &zero, a: &zero, lambda_ };
-    leave_out_dependent(problem, solver, t, q)?;
+    leave_out_dependent(problem, t, q);
     let mut modes = if problem.velocities() <= options.dense_limit {
         dense_modes(problem, at)
     } else {

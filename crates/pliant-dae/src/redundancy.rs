@@ -30,7 +30,7 @@ pub struct Dependency {
 const DEPENDENT: f64 = 1e-8;
 /// Rows of which less is left wait: others may make better pivots.
 const POOR: f64 = 0.1;
-/// Factors below this part of the largest are rounding.
+/// Dimensionless factors below this are rounding.
 const NEGLIGIBLE: f64 = 1e-6;
 /// Part of the rates of equations by which they may differ from those that they follow from.
 const AGREEMENT: f64 = 1e-7;
@@ -119,19 +119,37 @@ fn peel(rows: &[Row]) -> Vec<bool> {
     left
 }
 
+/// A row that is reduced by those before it: `row - sum of factor * rest of step`.
+struct Reduced {
+    /// What is left.
+    rest: Row,
+    /// Numbers of the steps, ascending, and factors.
+    steps: Row,
+    /// The largest entry on the way.
+    largest: f64,
+}
+
+/// One step of a staircase.
+struct Step {
+    /// Number of the row that it came from.
+    row: usize,
+    rest: Row,
+    steps: Row,
+}
+
 /// Rows in a staircase: each reduced by those before it.
 #[derive(Default)]
 struct Staircase {
-    pivots: Vec<(usize, Row)>,
+    steps: Vec<Step>,
     of_column: HashMap<usize, usize>,
 }
 
 impl Staircase {
-    /// What is left of a row, and the largest entry on the way.
-    fn reduce(&self, row: &Row) -> (Row, f64) {
+    fn reduce(&self, row: &Row) -> Reduced {
         let mut entries: HashMap<usize, f64> = HashMap::with_capacity(4 * row.len());
         let mut waiting: BTreeMap<usize, usize> = BTreeMap::new();
         let mut largest = size(row);
+        let mut steps = Row::new();
         for &(column, x) in row {
             entries.insert(column, x);
             if let Some(&k) = self.of_column.get(&column) {
@@ -143,8 +161,9 @@ impl Staircase {
             if x == 0.0 {
                 continue;
             }
-            let (_, pivot) = &self.pivots[k];
+            let pivot = &self.steps[k].rest;
             let factor = x / pivot.iter().find(|(c, _)| *c == column).map_or(1.0, |p| p.1);
+            steps.push((k, factor));
             for &(c, p) in pivot.iter().filter(|(c, _)| *c != column) {
                 let entry = entries.entry(c).or_insert(0.0);
                 *entry -= factor * p;
@@ -156,147 +175,89 @@ impl Staircase {
         }
         let mut rest: Row = entries.into_iter().filter(|(_, x)| *x != 0.0).collect();
         rest.sort_by_key(|&(column, _)| column);
-        (rest, largest)
+        Reduced { rest, steps, largest }
     }
 
-    /// Adds a row that is reduced.
-    fn add(&mut self, row: Row) {
+    /// Adds the row of that number, reduced.
+    fn add(&mut self, row: usize, Reduced { rest, steps, .. }: Reduced) {
         // The first of equal entries: the order of columns decides, not that of a hash.
-        let best = row
+        let best = rest
             .iter()
             .fold((0, 0.0_f64), |b, &(c, x)| if x.abs() > b.1 { (c, x.abs()) } else { b });
-        self.of_column.insert(best.0, self.pivots.len());
-        self.pivots.push((best.0, row));
+        self.of_column.insert(best.0, self.steps.len());
+        self.steps.push(Step { row, rest, steps });
+    }
+
+    /// Numbers of rows and factors whose sum is that of steps: each step is its row without those before it.
+    fn in_rows(&self, steps: &Row) -> Row {
+        let mut open: BTreeMap<usize, f64> = steps.iter().copied().collect();
+        let mut rows = Row::new();
+        while let Some((k, factor)) = open.pop_last() {
+            let step = &self.steps[k];
+            rows.push((step.row, factor));
+            for &(j, x) in &step.steps {
+                *open.entry(j).or_insert(0.0) -= factor * x;
+            }
+        }
+        rows
     }
 }
 
-/// Which equations follow from others at `(t, q)`; where there is a choice, those late in `order`.
-fn dependent_rows<P: Problem + ?Sized>(problem: &mut P, t: f64, q: &[f64]) -> Vec<bool> {
-    let rows = rows(problem, t, q);
-    let left = peel(&rows);
-    let mut dependent = vec![false; rows.len()];
-    if !left.contains(&true) {
-        return dependent;
-    }
+/// Which rows follow from others, with dimensionless factors; where there is a choice, those late in `order`.
+fn dependent_rows(rows: &[Row], order: &[usize]) -> Vec<Dependency> {
+    let left = peel(rows);
+    let mut dependent = Vec::new();
     let mut stairs = Staircase::default();
     let mut waiting = Vec::new();
-    for i in problem.constraint_order() {
-        if !left[i] {
-            continue;
-        }
-        let (rest, largest) = stairs.reduce(&rows[i]);
-        if size(&rest) > POOR * largest {
-            stairs.add(rest);
+    for &i in order.iter().filter(|&&i| left[i]) {
+        let reduced = stairs.reduce(&rows[i]);
+        if size(&reduced.rest) > POOR * reduced.largest {
+            stairs.add(i, reduced);
         } else {
             waiting.push(i);
         }
     }
     for i in waiting {
-        let (rest, largest) = stairs.reduce(&rows[i]);
-        if size(&rest) > DEPENDENT * largest {
-            stairs.add(rest);
+        let reduced = stairs.reduce(&rows[i]);
+        if size(&reduced.rest) > DEPENDENT * reduced.largest {
+            stairs.add(i, reduced);
         } else {
-            dependent[i] = true;
+            let mut on = stairs.in_rows(&reduced.steps);
+            on.retain(|(_, factor)| factor.abs() > NEGLIGIBLE);
+            on.sort_by_key(|&(j, _)| j);
+            dependent.push(Dependency { equation: i, on });
         }
     }
+    dependent.sort_by_key(|d| d.equation);
     dependent
 }
 
-/// Leaves the equations out that follow from others at `(t, q)`.
-///
-/// # Errors
-/// A singular mass matrix.
+/// Leaves the equations out that follow from others at `(t, q)`, and tells how they follow.
 pub fn leave_out_dependent<P: Problem + ?Sized>(
     problem: &mut P,
-    solver: &mut dyn LinearSolver,
     t: f64,
     q: &[f64],
-) -> Result<Vec<Dependency>, Error> {
+) -> Vec<Dependency> {
     if problem.multipliers() == 0 {
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    problem.leave_out(&[]);
-    let dependent = dependent_rows(problem, t, q);
-    if !dependent.contains(&true) {
-        return Ok(Vec::new());
-    }
-    problem.leave_out(&dependent);
-    dependencies(problem, solver, t, q, &dependent)
-}
-
-/// How the equations that are left out follow from the others.
-///
-/// # Errors
-/// A singular mass matrix.
-pub fn dependencies<P: Problem + ?Sized>(
-    problem: &mut P,
-    solver: &mut dyn LinearSolver,
-    t: f64,
-    q: &[f64],
-    dependent: &[bool],
-) -> Result<Vec<Dependency>, Error> {
-    let (n, m) = (problem.velocities(), problem.multipliers());
     problem.leave_out(&[]);
     let rows = rows(problem, t, q);
-    problem.leave_out(dependent);
-    let zero = vec![0.0; n.max(m)];
-    let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
-    let mut values = vec![0.0; problem.structure().values()];
-    problem.tangent(at, WITH_MASS, &mut values);
-    solver.factor(problem.structure(), &values).map_err(|e| Error::from_factor(problem, t, &e))?;
-    let component = components(&rows);
-    // One equation of each component at a time: their solutions do not overlap.
-    let mut queues: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for i in (0..m).rev().filter(|&i| dependent[i]) {
-        queues.entry(component[i]).or_default().push(i);
-    }
-    let members: Vec<usize> = (0..m).filter(|&i| queues.contains_key(&component[i])).collect();
-    let mut found = Vec::new();
-    let (scale, constraint_scale) = (problem.scale(), problem.constraint_scale());
-    while queues.values().any(|queue| !queue.is_empty()) {
-        let now: BTreeMap<usize, usize> =
-            queues.iter_mut().filter_map(|(&c, queue)| Some((c, queue.pop()?))).collect();
-        let mut x = vec![0.0; n + m];
-        for &i in now.values() {
-            for &(column, entry) in &rows[i] {
-                x[column] += entry / scale[column] * constraint_scale[i];
-            }
-        }
-        solver.solve(&mut x);
-        let mut on: BTreeMap<usize, Row> = now.keys().map(|&c| (c, Vec::new())).collect();
-        for &j in members.iter().filter(|&&j| !dependent[j]) {
-            if let (Some(on), Some(&i)) = (on.get_mut(&component[j]), now.get(&component[j])) {
-                let factor = x[n + j];
-                if (factor * constraint_scale[j]).abs() > NEGLIGIBLE * constraint_scale[i] {
-                    on.push((j, factor));
-                }
-            }
-        }
-        found.extend(on.into_iter().map(|(c, on)| Dependency { equation: now[&c], on }));
-    }
-    found.sort_by_key(|d| d.equation);
-    Ok(found)
-}
-
-/// Number of the component that each row belongs to: rows that share columns do.
-fn components(rows: &[Row]) -> Vec<usize> {
-    let mut parent: Vec<usize> = (0..rows.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
-    let mut first: HashMap<usize, usize> = HashMap::new();
-    for (i, row) in rows.iter().enumerate() {
-        for &(column, _) in row {
-            let other = *first.entry(column).or_insert(i);
-            let (a, b) = (root(&mut parent, i), root(&mut parent, other));
-            parent[a.max(b)] = a.min(b);
+    let mut found = dependent_rows(&rows, &problem.constraint_order());
+    let scale = problem.constraint_scale();
+    for dependency in &mut found {
+        for (j, factor) in &mut dependency.on {
+            *factor *= scale[dependency.equation] / scale[*j];
         }
     }
-    (0..rows.len()).map(|i| root(&mut parent, i)).collect()
+    if !found.is_empty() {
+        let mut left_out = vec![false; rows.len()];
+        for dependency in &found {
+            left_out[dependency.equation] = true;
+        }
+        problem.leave_out(&left_out);
+    }
+    found
 }
 
 /// Refuses equations whose rates or accelerations (`values`, one for each equation) contradict those of the equations
@@ -391,7 +352,12 @@ pub fn project_positions<P: Problem + ?Sized>(
         if weighted_max(&phi, &weight) <= tolerance {
             return Ok(());
         }
-        last = leave_out_dependent(problem, solver, t, q)?;
+        last = leave_out_dependent(problem, t, q);
+        let mut values = vec![0.0; problem.structure().values()];
+        let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+        problem.tangent(at, WITH_MASS, &mut values);
+        let factored = solver.factor(problem.structure(), &values);
+        factored.map_err(|e| Error::from_factor(problem, t, &e))?;
         for dependency in &last {
             phi[dependency.equation] = 0.0;
         }

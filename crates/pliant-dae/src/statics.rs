@@ -100,7 +100,7 @@ pub fn solve_static<P: Problem + ?Sized>(
 ) -> Result<Vec<StaticPoint>, Error> {
     check_length("q", q, problem.coordinates())?;
     check_length("lambda_", lambda_, problem.multipliers())?;
-    let dependencies = leave_out_dependent(problem, solver, options.from, q)?;
+    let dependencies = leave_out_dependent(problem, options.from, q);
     let mut lambda_ = lambda_.to_vec();
     for dependency in &dependencies {
         lambda_[dependency.equation] = 0.0;

@@ -183,13 +183,10 @@ fn point_of(state: &State) -> Point<'_> {
 }
 
 /// Joints with equations that follow from others at the start, how many, and the joints that they follow from.
-///
-/// # Errors
-/// A singular mass matrix.
-pub fn redundant(model: &Arc<Model>) -> Result<Vec<(String, usize, Vec<String>)>, Error> {
+#[must_use]
+pub fn redundant(model: &Arc<Model>) -> Vec<(String, usize, Vec<String>)> {
     let mut system = System::new(model.clone(), Mode::Dynamic, None, false);
-    let mut solver = model.solver(false)?;
-    let dependencies = leave_out_dependent(&mut system, solver.as_mut(), 0.0, &model.initial_q)?;
+    let dependencies = leave_out_dependent(&mut system, 0.0, &model.initial_q);
     let name = |multiplier: usize| {
         model.joint_of(multiplier).map_or_else(String::new, |k| model.joints[k].name.clone())
     };
@@ -207,7 +204,7 @@ pub fn redundant(model: &Arc<Model>) -> Result<Vec<(String, usize, Vec<String>)>
             }
         }
     }
-    Ok(found)
+    found
 }
 
 /// Goes back to what was remembered before a search, whose equilibria are gone through again, one after the other.

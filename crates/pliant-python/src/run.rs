@@ -8,6 +8,7 @@ use pliant_multibody::checkpoint::Saved;
 use pliant_multibody::latches::Switch;
 use pliant_multibody::run::{FreeLeg, Leg, Records, Run};
 use pliant_multibody::system::Inputs;
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -218,6 +219,27 @@ impl PyIntegrator {
     #[getter]
     fn v<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.run().state().v)
+    }
+
+    /// Sum of three neighbouring coordinates (or velocities) each, from the offsets, with weights.
+    fn combine<'py>(
+        &mut self,
+        py: Python<'py>,
+        offsets: Vec<usize>,
+        weights: Vec<f64>,
+        velocities: bool,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let state = self.run().state();
+        let from = if velocities { &state.v } else { &state.q };
+        let mut sum = [0.0; 3];
+        for (&offset, weight) in offsets.iter().zip(weights) {
+            let three = offset.checked_add(3).and_then(|end| from.get(offset..end));
+            let three = three.ok_or_else(|| PyIndexError::new_err(offset))?;
+            for (sum, x) in sum.iter_mut().zip(three) {
+                *sum += weight * x;
+            }
+        }
+        Ok(PyArray1::from_slice(py, &sum))
     }
 
     fn statistics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

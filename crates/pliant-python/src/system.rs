@@ -250,9 +250,8 @@ impl PySystem {
     }
 
     /// Joints with equations that follow from others at the start: joint, how many, the joints that they follow from.
-    fn redundant(&self, py: Python<'_>) -> PyResult<Vec<(String, usize, Vec<String>)>> {
-        let found = py.detach(|| solve::redundant(&self.model));
-        found.map_err(|error| solve_error(py, &error))
+    fn redundant(&self, py: Python<'_>) -> Vec<(String, usize, Vec<String>)> {
+        py.detach(|| solve::redundant(&self.model))
     }
 
     fn joint_outputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {

@@ -117,7 +117,7 @@ pub fn follow_path<P: Problem + ?Sized>(
 ) -> Result<(), Error> {
     check_length("q", q, problem.coordinates())?;
     check_length("lambda_", lambda_, problem.multipliers())?;
-    let dependencies = leave_out_dependent(problem, solver, options.equilibrium.from, q)?;
+    let dependencies = leave_out_dependent(problem, options.equilibrium.from, q);
     let mut lambda_ = lambda_.to_vec();
     for dependency in &dependencies {
         lambda_[dependency.equation] = 0.0;
