@@ -58,6 +58,7 @@ bench: setup bench-exudyn ## speed: Rust kernels, scaling, import time, beside E
 	cargo bench
 	$(PY) benchmarks/import_time.py
 	$(PY) benchmarks/stepper.py
+	$(PY) benchmarks/model_building.py
 	$(PY) benchmarks/scaling.py
 	$(PY) benchmarks/falling_pendulum.py --exudyn .venv-exudyn/bin/python
 

@@ -6,6 +6,7 @@ import copy
 import json
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -201,3 +202,86 @@ def test_import_is_light() -> None:
     modules = json.loads(subprocess.check_output([sys.executable, "-c", code]))
     for heavy in ("scipy", "matplotlib", "h5py", "tqdm", "pliant._core"):
         assert heavy not in modules
+
+
+def test_numbers_of_names_are_the_lowest_that_are_free(rubber: pl.LinearElastic) -> None:
+    model = pl.Model()
+    line = [(0, 0, 0), (1, 0, 0)]
+
+    def add(to: pl.Model, name: str | None = None) -> str:
+        return to.add_cable(line, elements=1, section=SECTION, material=rubber, name=name).name
+
+    assert [add(model), add(model, "cable3"), add(model), add(model)] == [
+        "cable1",
+        "cable3",
+        "cable2",
+        "cable4",
+    ]
+    # Names are shared with joints and loads, and each copy counts on for itself.
+    model.pin(model["cable1"].start, name="cable5")
+    twin, read = model.copy(), pl.Model.from_document(model.to_document())
+    assert [add(model), add(model), add(twin), add(read)] == ["cable6", "cable7", "cable6", "cable6"]
+
+
+def test_the_size_grows_with_every_body(rubber: pl.LinearElastic) -> None:
+    model = pl.Model()
+    cable = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=1, section=SECTION, material=rubber)
+    assert model._size() == 1.0
+    twin = model.copy()
+    model.add_point_mass(1.0, at=(0, -3, 0))
+    assert model._size() == 3.0
+    twin.add_rigid_body(mass=1.0, inertia=(2.0, 2.0, 2.0), position=(0, 0, 10))
+    gyration = np.sqrt(3.0)
+    assert twin._size() == pytest.approx(10.0 + gyration, rel=1e-15)
+    assert pl.Model.from_document(twin.to_document())._size() == twin._size()
+    # A pin accepts gaps of a millionth of the size: what was too far apart is not in a larger model.
+    gap = (5e-6, 0, 0)
+    with pytest.raises(pl.ModelError, match="coincide"):
+        model.pin(cable.start, gap)
+    model.add_point_mass(1.0, at=(0, 0, 10))
+    model.pin(cable.start, gap)
+    assert model._size() == 10.0
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, True, "1", 10**400, None, np.array([1.0]), 1j])
+def test_numbers_are_finite_and_real(value: object) -> None:
+    with pytest.raises(pl.ModelError, match=r"mass = .* must be a finite number above 0"):
+        pl.Model().add_point_mass(value, at=(0, 0, 0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("value", [2, 2.0, np.float32(2), np.int64(2), np.array(2.0)])
+def test_numbers_of_any_kind_become_floats(value: object) -> None:
+    model = pl.Model()
+    model.add_point_mass(value, at=(0, 0, 0), name="ball")  # type: ignore[arg-type]
+    assert type(model._bodies["ball"].mass) is float  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("place", [(1.0, 2.0, 3.0), [1, 2, 3], np.array([1.0, 2.0, 3.0])])
+def test_places_on_a_body_are_plain_numbers(place: object) -> None:
+    body = pl.Model().add_rigid_body(mass=1.0, shape=pl.Sphere(0.1))
+    point = body.at(place)  # type: ignore[arg-type]
+    assert point.local == (1.0, 2.0, 3.0)
+    assert [type(x) for x in point.local] == [float] * 3
+    for wrong in ((np.inf, -np.inf, 0.0), (np.nan, 0.0, 0.0), (1.0, 2.0)):
+        with pytest.raises(pl.ModelError, match="local_point"):
+            body.at(wrong)
+
+
+def test_sides_of_pins_that_share_coordinates(rubber: pl.LinearElastic) -> None:
+    # Five cables meet; each pin hangs a cable on the one before it, and a mass and a joint on some.
+    model = pl.Model()
+    cables = [
+        model.add_cable([(0, 0, 0), (np.cos(k), np.sin(k), 0)], elements=2, section=SECTION, material=rubber)
+        for k in range(5)
+    ]
+    pins = [model.pin(b.start, a.start) for a, b in pairwise(cables)]
+    model.add_point_mass(1.0, at=cables[3].start, name="late")
+    model.add_point_mass(1.0, at=cables[1].start, name="early")
+    wall = model.pin(cables[4].start)
+    plan = lower(model).plan
+    for k, pin in enumerate(pins):
+        side = plan[pin.name]
+        beyond = range(k + 1, 5)
+        assert side["nodes"] == [[cables[j].name, 0] for j in beyond]
+        assert side["masses"] == [name for name, j in (("late", 3), ("early", 1)) if j in beyond]
+        assert side["joints"] == [[wall.name, 1.0]]

@@ -402,3 +402,53 @@ def test_a_stepper_reads_rigid_bodies():
     stepper.reset(before)
     stepper.advance(50)
     assert np.array_equal(stepper.coordinates, once)
+
+
+def test_places_that_a_stepper_keeps_are_those_of_its_own_points() -> None:
+    rubber = pl.LinearElastic(1e7, 0.45, 1000.0)
+    model = pl.Model(gravity=(0, 0, -9.81))
+    twin = model.copy()
+    line, section = [(0, 0, 0), (1, 0, 0)], pl.Circle(5e-3)
+    rope = model.add_cable(line, elements=4, section=section, material=rubber, name="rope")
+    ball = model.add_point_mass(1.0, at=rope.at(0.3))
+    brick = model.add_rigid_body(
+        mass=1.0, shape=pl.Box((0.1, 0.2, 0.3)), angular_velocity=(1, 2, 3), name="thing"
+    )
+    model.pin(rope.start)
+    stepper = pl.Stepper(model, step=1e-2)
+    points = [rope.end, rope.at(0.613), rope.at(0.3), ball, brick.at((0.1, -0.2, 0.3)), brick]
+    start = [stepper.position(point) for point in points]
+    for _ in range(3):
+        stepper.advance()
+        for point in points:
+            # The same products, added in the same order.
+            track = stepper.track(point if isinstance(point, pl.Point | pl.PointMass) else point.center)
+            np.testing.assert_array_equal(stepper.position(point), track.position)
+            np.testing.assert_array_equal(stepper.velocity(point), track.velocity)
+            # What is given is a copy.
+            stepper.position(point)[:] = np.nan
+    assert all((stepper.position(p) != x).any() for p, x in zip(points, start, strict=True) if p is not brick)
+    stepper.reset()
+    for point, x in zip(points, start, strict=True):
+        np.testing.assert_array_equal(stepper.position(point), x)
+    # Points of other models, those that are equal in all but the model included, and of what is not there.
+    other = pl.Model()
+    stranger = other.add_cable(line, elements=4, section=section, material=rubber, name="rope")
+    with pytest.raises(pl.ModelError, match="another model"):
+        stepper.position(stranger.end)
+    finer = twin.add_cable(line, elements=8, section=section, material=rubber, name="rope")
+    thing = twin.add_cable(line, elements=1, section=section, material=rubber, name="thing")
+    for wrong in (finer.end, thing.start, thing, rope, brick.at, None, [0.0, 0.0, 0.0], "rope"):
+        with pytest.raises(pl.ModelError, match="point"):
+            stepper.position(wrong)  # type: ignore[arg-type]
+
+
+def test_a_stepper_keeps_few_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pliant.stepper.KNOWN_PLACES", 4)
+    model, rope = machine()
+    stepper = pl.Stepper(model, step=H)
+    places = np.linspace(0.05, 0.95, 11)
+    # At the start the rope is straight: the place is the arc length.
+    found = [stepper.position(rope.at(float(s)))[0] for s in places]
+    np.testing.assert_allclose(found, places, atol=1e-12)
+    assert len(stepper._places) <= 4

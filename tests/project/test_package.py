@@ -126,3 +126,42 @@ def test_extras_are_all_in_all():
     assert sorted(extras["all"]) == sorted(
         extras["plot"] + extras["files"] + extras["progress"] + extras["vtk"]
     )
+
+
+def test_the_import_is_lean():
+    # What describing a model does not need comes when it is asked for; what numpy imports is there anyway.
+    listing = "import sys; print(' '.join(sys.modules))"
+    with_numpy, with_pliant = (
+        set(
+            subprocess.run(
+                [sys.executable, "-c", f"{first}; {listing}"], capture_output=True, check=True, text=True
+            ).stdout.split()
+        )
+        for first in ("import numpy", "import numpy, pliant")
+    )
+    heavy = {
+        "asyncio", "concurrent.futures", "h5py", "hashlib", "html", "inspect", "json", "logging",
+        "matplotlib", "numpy.polynomial", "pathlib", "pliant._core", "pliant.simulation", "pliant.stepper",
+        "pliant.result", "scipy", "tempfile", "urllib", "uuid", "zipfile",
+    }  # fmt: skip
+    assert not heavy & (with_pliant - with_numpy)
+
+
+def test_public_names_that_come_late_are_there():
+    program = """
+import pliant
+late = set(pliant.__all__) - set(vars(pliant))
+assert {"simulate", "Stepper", "scenes"} <= late, late
+assert late <= set(dir(pliant))
+for name in sorted(late):
+    value = getattr(pliant, name)
+    assert name == "scenes" or (value.__name__ == name and vars(pliant)[name] is value)
+assert pliant.__version__
+try:
+    pliant.simulat
+except AttributeError as error:
+    assert "simulat" in str(error)
+else:
+    raise AssertionError
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
