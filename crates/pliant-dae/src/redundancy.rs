@@ -454,3 +454,43 @@ pub fn smallest_multipliers<P: Problem + ?Sized>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of `n` rows with two columns each, whose last is the sum of the others, and a tail that owns its column.
+    fn ring(n: usize) -> Vec<Row> {
+        let mut rows: Vec<Row> = (0..n).map(|k| vec![(k, 1.0), (k + 1, -2.0)]).collect();
+        // Columns 1 to n - 1 cancel with the factors 1, 2, 4, ...
+        rows.push(vec![(0, 1.0), (n, -(2.0_f64.powi(n as i32)))]);
+        rows.push(vec![(0, 1.0), (n + 1, 1.0)]);
+        rows
+    }
+
+    #[test]
+    fn dependent_rows_are_the_sums_that_are_told() {
+        for n in [2, 5, 12] {
+            let rows = ring(n);
+            // Whichever is last in order is left out.
+            for last in [n, 0, n / 2] {
+                let order: Vec<usize> =
+                    (0..rows.len()).filter(|&i| i != last).chain([last]).collect();
+                let found = dependent_rows(&rows, &order);
+                assert_eq!(found.len(), 1);
+                assert!(found[0].equation != n + 1, "the tail depends on nothing");
+                let mut rest: BTreeMap<usize, f64> =
+                    rows[found[0].equation].iter().copied().collect();
+                for &(j, factor) in &found[0].on {
+                    for &(column, x) in &rows[j] {
+                        *rest.entry(column).or_insert(0.0) -= factor * x;
+                    }
+                }
+                // Small integers: what is left is rounding of the divisions.
+                let bound = 1e-12 * size(&rows[found[0].equation]);
+                assert!(rest.values().all(|x| x.abs() <= bound), "{last} of {n}: {rest:?}");
+                assert_eq!(found[0].on.len(), n, "all others of the ring");
+            }
+        }
+    }
+}
