@@ -11,6 +11,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
 SMALL = {
     "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
+    "cable_robot": {"elements": 2, "duration": 2.5},
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
@@ -170,3 +171,22 @@ def test_the_soft_finger_rests_and_swings_as_its_body(examples, record):
     # Second order of the scheme: (2 pi f h)^2 / 12 and a slight damping.
     assert record("example finger, small swing", found.swing, found.frequency, 3e-3 * found.frequency, "Hz")
     assert found.audit < 0.02
+
+
+def test_the_robot_hangs_on_its_cables_as_on_springs(examples, record):
+    _, followed = examples["cable_robot"]
+    # A cable of weight w L hangs through and is longer by (w L/T)^2/24 of itself: 3e-7 m.
+    difference = np.linalg.norm(followed.sag - followed.springs)
+    assert record("example cable robot, place of the platform", difference, 0.0, 2e-6, "m", source="SciPy")
+    assert np.linalg.norm(followed.springs) > 3e-3
+
+
+def test_the_feedback_of_the_robot_finds_the_path(examples, record):
+    _, followed = examples["cable_robot"]
+    early = np.searchsorted(followed.result.time, 1.0)
+    blind, fed = (followed.errors[name][early] for name in ("blind", "feedback"))
+    # The sum over time has a time constant of a quarter of a second: four of them, on a path hardly begun.
+    assert np.all(fed < 3 * np.exp(-4.0) * blind)
+    assert followed.tensions.min() > 100.0
+    assert record("example cable robot, order of the energy audit", followed.order, 2.0, 0.1)
+    assert followed.gaps[-1] < 1e-3
