@@ -302,10 +302,15 @@ impl Model {
             .map_err(|source| Error::Solver { t: 0.0, source })
     }
 
-    /// The first time after `t` at which a load has a kink: steps that are free to choose end there.
+    /// The first time after `t` at which anything given over time has a kink: steps that are free to choose end there.
     #[must_use]
     pub fn next_break(&self, t: f64) -> f64 {
-        self.loads.iter().filter_map(|l| l.value.next_break(t)).fold(f64::INFINITY, f64::min)
+        let values = self.loads.iter().filter_map(|l| l.value.next_break(t));
+        let loads = self.loads.iter().filter_map(|l| l.load.next_break(t));
+        let forces = self.forces.iter().filter_map(|f| f.force.next_break(t));
+        let joints = self.joints.iter().filter_map(|j| j.joint.next_break(t));
+        let winches = self.winches.iter().filter_map(|w| w.next_break(t));
+        values.chain(loads).chain(forces).chain(joints).chain(winches).fold(f64::INFINITY, f64::min)
     }
 
     /// The size that errors of positions are measured against [m].

@@ -251,6 +251,14 @@ impl Value {
     }
 }
 
+/// The first kink of several values after `t`, see [`Value::next_break`].
+pub(crate) fn first_break<'a>(
+    values: impl IntoIterator<Item = &'a Value>,
+    t: f64,
+) -> Option<f64> {
+    values.into_iter().filter_map(|value| value.next_break(t)).reduce(f64::min)
+}
+
 /// Whether `later` is after `t` by more than the rounding of times.
 fn is_after(later: f64, t: f64) -> bool {
     later > t + 1e-12 * t.abs()

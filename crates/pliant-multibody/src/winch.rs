@@ -50,6 +50,11 @@ impl Winch {
         now.rate(&self.length) / self.start
     }
 
+    /// The first time after `t` at which the length has a kink.
+    pub fn next_break(&self, t: f64) -> Option<f64> {
+        self.length.next_break(t)
+    }
+
     /// What is wrong with a factor, if anything.
     pub fn check(&self, factor: f64, t: f64) -> Result<(), String> {
         if factor > 0.0 && factor.is_finite() {

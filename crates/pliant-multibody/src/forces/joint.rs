@@ -8,7 +8,7 @@ use super::{At, Context, ForceElement, Part};
 use crate::error::ModelError;
 use crate::freedom::Freedom;
 use crate::point::Support;
-use crate::signal::{Moment, Value};
+use crate::signal::{Moment, Value, first_break};
 use crate::spec::{ForceSpec, StopSpec};
 
 /// Spring, damper, stops and drive along a freedom.
@@ -187,6 +187,10 @@ impl ForceElement for JointForce {
             energy += 0.5 * stops.stiffness * p * p;
         }
         energy
+    }
+
+    fn next_break(&self, t: f64) -> Option<f64> {
+        first_break(&self.drive, t)
     }
 
     fn output_count(&self) -> usize {

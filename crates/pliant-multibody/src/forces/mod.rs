@@ -90,6 +90,12 @@ pub trait ForceElement: Send + Sync {
         false
     }
 
+    /// The first time after `t` at which a value over time that it depends on has a kink.
+    fn next_break(&self, t: f64) -> Option<f64> {
+        let _ = t;
+        None
+    }
+
     /// How many numbers [`Self::outputs`] gives.
     fn output_count(&self) -> usize;
 

@@ -300,6 +300,12 @@ impl ForceElement for Tendon {
         matches!(self.pull, Pull::Motor { damping, .. } if damping > 0.0)
     }
 
+    fn next_break(&self, t: f64) -> Option<f64> {
+        match &self.pull {
+            Pull::Force(value) | Pull::Motor { length: value, .. } => value.next_break(t),
+        }
+    }
+
     fn output_count(&self) -> usize {
         1 + self.spans.len()
     }

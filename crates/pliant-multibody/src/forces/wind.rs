@@ -235,6 +235,10 @@ impl ForceElement for Wind {
         true
     }
 
+    fn next_break(&self, t: f64) -> Option<f64> {
+        self.velocity.next_break(t)
+    }
+
     fn output_count(&self) -> usize {
         0
     }

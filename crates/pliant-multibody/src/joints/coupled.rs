@@ -6,7 +6,7 @@
 use super::{Draft, Joint};
 use crate::freedom::Freedom;
 use crate::point::{Interpolation, Support};
-use crate::signal::{Moment, Value};
+use crate::signal::{Moment, Value, first_break};
 use nalgebra::Vector3;
 
 /// One freedom of the equation.
@@ -124,6 +124,10 @@ impl Joint for Coupled {
         let zero = (Vector3::zeros(), Vector3::zeros());
         let ((force, moment), f) = wrench.unwrap_or((zero, 0.0));
         ((force * f).into(), (moment * f).into())
+    }
+
+    fn next_break(&self, t: f64) -> Option<f64> {
+        first_break(&self.course, t)
     }
 
     fn is_driven(&self) -> bool {

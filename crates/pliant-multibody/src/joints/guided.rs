@@ -14,7 +14,7 @@ use super::{Draft, Joint};
 use crate::error::ModelError;
 use crate::jet::{self, VectorJet};
 use crate::point::{Interpolation, Support};
-use crate::signal::{Moment, Value};
+use crate::signal::{Moment, Value, first_break};
 use crate::spec::Signal;
 use crate::vector::{normals, vector};
 use nalgebra::Vector3;
@@ -214,6 +214,11 @@ impl Joint for Guided {
             }
         });
         (force.into(), moment.into())
+    }
+
+    fn next_break(&self, t: f64) -> Option<f64> {
+        let Course { position, direction, orientation } = &self.course;
+        first_break(position.iter().chain(direction).chain(orientation.iter().flatten()), t)
     }
 
     fn is_driven(&self) -> bool {

@@ -151,6 +151,12 @@ pub trait Joint: Send + Sync {
         false
     }
 
+    /// The first time after `t` at which a value over time that it depends on has a kink.
+    fn next_break(&self, t: f64) -> Option<f64> {
+        let _ = t;
+        None
+    }
+
     /// How many numbers it remembers from one step to the next.
     fn memory(&self) -> usize {
         0

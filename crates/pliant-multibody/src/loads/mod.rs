@@ -43,4 +43,10 @@ pub trait Load: Send + Sync {
         let _ = (part, value, q, factor);
         out.fill(0.0);
     }
+
+    /// The first time after `t` at which a value over time beside its own one has a kink.
+    fn next_break(&self, t: f64) -> Option<f64> {
+        let _ = t;
+        None
+    }
 }

@@ -55,4 +55,8 @@ impl Load for MovingForce {
             r.add_force(value.map(|f| factor * f), force);
         }
     }
+
+    fn next_break(&self, t: f64) -> Option<f64> {
+        self.position.next_break(t)
+    }
 }
