@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -249,7 +250,7 @@ def require_state(start: object, name: str, model: Model) -> State:
             if isinstance(body, LineBody)
             else (body.element, body.quads.tobytes(), body.triangles.tobytes())
             if isinstance(body, SurfaceBody)
-            else ("mass", body.at)
+            else ("mass", body.at and replace(body.at, identity=""))
             if isinstance(body, MassBody)
             else ("rigid", body.mass)
             for key, body in m._bodies.items()

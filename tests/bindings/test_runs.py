@@ -456,3 +456,17 @@ def test_names_with_odd_characters_survive_files(tmp_path: Path, rubber: pl.Line
         ".",
         "c d%",
     ]
+
+
+def test_a_state_of_another_model_with_a_mass_at_a_point_is_a_start(rubber: pl.LinearElastic) -> None:
+    def build() -> tuple[pl.Model, pl.PointMass]:
+        model = pl.Model(gravity=(0, 0, -9.81))
+        rope = model.add_cable([(0, 0, 0), (0, 0, -1)], elements=2, section=pl.Circle(5e-3), material=rubber)
+        model.pin(rope.start)
+        return model, model.add_point_mass(0.1, at=rope.end)
+
+    start = pl.solve_static(build()[0])
+    model, load = build()
+    result = pl.simulate(model, duration=0.1, step=1e-2, start=start)
+    # It hangs at rest, to Newton's tolerance.
+    assert np.ptp(result.track(load).position[:, 2]) < 1e-6

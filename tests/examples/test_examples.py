@@ -15,6 +15,7 @@ SMALL = {
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
+    "gantry_crane": {"lengths": (4.0, 5.0), "elements": 2, "step": 2e-2},
     "rolled_cantilever": {"elements": (8, 16)},
     "soft_finger": {"mesh": (40, 4), "duration": 1.2, "step": 2e-3},
     "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
@@ -187,6 +188,32 @@ def test_the_feedback_of_the_robot_finds_the_path(examples, record):
     blind, fed = (followed.errors[name][early] for name in ("blind", "feedback"))
     # The sum over time has a time constant of a quarter of a second: four of them, on a path hardly begun.
     assert np.all(fed < 3 * np.exp(-4.0) * blind)
-    assert followed.tensions.min() > 100.0
-    assert record("example cable robot, order of the energy audit", followed.order, 2.0, 0.1)
-    assert followed.gaps[-1] < 1e-3
+    # The controller believes in 113 N at least; the load that it does not know takes from that.
+    assert followed.tensions.min() > 80.0
+    # As the whole path has with order 2; its slow beginning is too close for an order.
+    assert followed.gaps[-1] < 6e-6
+
+
+def test_what_shapers_leave_of_the_swing_is_what_theory_says(examples, record):
+    _, moved = examples["gantry_crane"]
+    for shaper, swings in moved.swings.items():
+        # Angles of 0.3 change the period by (angle/4)^2, which the sum of the moves feels: some thousandths.
+        tolerance = 3e-3 * moved.theory["unshaped"][0]
+        name = f"example crane, swing left over by {shaper}"
+        assert record(name, swings[0], moved.theory[shaper][0], tolerance, "m", source="spectrum of the move")
+    # The rope that the shapers believe.
+    assert moved.swings["two moves"][1] < 2e-3 * moved.swings["unshaped"][1]
+    assert moved.swings["three moves"][1] < 2e-3 * moved.swings["unshaped"][1]
+
+
+def test_the_load_lifted_on_its_way_swings_as_a_pendulum(examples, record):
+    _, moved = examples["gantry_crane"]
+    one = moved.lifted["three moves"]
+    # The rope weighs 1.4 kg beside 500 kg; 200 steps a period.
+    off = np.abs(one.swing - one.expected).max()
+    assert record("example crane, swing of the load lifted", off, 0.0, 1e-3, "m", source="SciPy")
+    # The weight of half the rope that hangs below the middle of its last element: 2 N, and its stretching.
+    pull = np.abs(one.tension - one.pull).max()
+    assert record("example crane, pull of the rope", pull, 0.0, 15.0, "N", source="SciPy")
+    assert record("example crane, order of the energy audit", moved.order, 2.0, 0.2)
+    assert moved.gaps[-1] < 1e-5

@@ -97,3 +97,31 @@ def test_kinks_are_met():
     model, _ = struck_cable()
     result = pl.simulate(model, duration=0.4, step="auto", rtol=1e-4, threads=1)
     assert {0.2, 0.2025, 0.205} <= set(result.time.tolist())
+
+
+def test_kinks_are_met_wherever_values_are_given():
+    """Of torques, tensions, lengths, places of moving forces, wind, rates and courses."""
+
+    def table(time):
+        return pl.Table([0.0, time / 2, time, 1.0], [1.0, 1.0, 1.1, 1.1])
+
+    model, cable = rubber_pendulum(4)
+    model.add_moving_force(cable, (0, 0, -0.1), table(0.11))
+    model.add_wind(cable, (1, 0, 0) * table(0.12), density=1.2, drag=1.0)
+    ball = pl.Sphere(0.1)
+    wheels = [model.add_rigid_body(mass=1.0, shape=ball, position=(k, 2, 0)) for k in range(3)]
+    shafts = [model.hinge(wheel.center) for wheel in wheels]
+    model.drive(shafts[0], torque=table(0.13))
+    model.drive(shafts[1], rate=table(0.14) - 1.0)
+    model.drive(shafts[2], angle=pl.Ramp(0.15))
+    balls = [model.add_point_mass(1.0, at=(k, 4, 0)) for k in range(3)]
+    model.add_tendon([(0, 5, 0), balls[0]], table(0.16))
+    model.add_tendon([(1, 5, 0), balls[1]], length=table(0.17), stiffness=10.0)
+    model.drive(balls[2].center, position=np.array([2, 4, 0]) + np.array([1, 0, 0]) * pl.Ramp(0.18))
+    rubber = pl.LinearElastic(youngs_modulus=1e6, poisson_ratio=0.4, density=1000.0)
+    section = pl.Circle(5e-3)
+    model.add_cable(
+        [(0, 6, 0), (1, 6, 0)], elements=1, section=section, material=rubber, rest_length=table(0.19)
+    )
+    result = pl.simulate(model, duration=0.25, step="auto", rtol=1e-3, threads=1)
+    assert {0.11, 0.12, 0.13, 0.14, 0.15, 0.16, 0.17, 0.18, 0.19} <= set(result.time.tolist())

@@ -337,3 +337,14 @@ def test_a_parallelogram_starts_in_its_singular_position(spin, record):
     # Second order, the step in which the fourth equation is taken in again included.
     assert errors[-1] < 1e-3
     assert record(f"parallelogram from its singular position, spin {spin:g}", errors[0] / errors[1], 4.0, 1.0)
+
+
+def test_drives_that_disagree_are_refused_by_name():
+    model = pl.Model()
+    ball = model.add_point_mass(1.0, at=(0, 0, 0))
+    model.drive(ball.center, position=(1.0, 0, 0) * pl.Ramp(1.0), name="one way")
+    model.drive(ball.center, position=(2.0, 0, 0) * pl.Ramp(1.0), name="another")
+    with pytest.raises((pl.ModelError, pl.ConvergenceError)) as caught:
+        pl.simulate(model, duration=1.0, step=1e-2, threads=1)
+    assert "'one way'" in str(caught.value)
+    assert "'another'" in str(caught.value)
