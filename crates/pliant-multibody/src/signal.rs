@@ -252,10 +252,7 @@ impl Value {
 }
 
 /// The first kink of several values after `t`, see [`Value::next_break`].
-pub(crate) fn first_break<'a>(
-    values: impl IntoIterator<Item = &'a Value>,
-    t: f64,
-) -> Option<f64> {
+pub(crate) fn first_break<'a>(values: impl IntoIterator<Item = &'a Value>, t: f64) -> Option<f64> {
     values.into_iter().filter_map(|value| value.next_break(t)).reduce(f64::min)
 }
 
