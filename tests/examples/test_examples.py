@@ -16,6 +16,7 @@ SMALL = {
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
     "gantry_crane": {"lengths": (4.0, 5.0), "elements": 2, "step": 2e-2},
+    "regrasped_cable": {"step": 8e-3, "duration": 6.0},
     "rolled_cantilever": {"elements": (8, 16)},
     "soft_finger": {"mesh": (40, 4), "duration": 1.2, "step": 2e-3},
     "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
@@ -217,3 +218,20 @@ def test_the_load_lifted_on_its_way_swings_as_a_pendulum(examples, record):
     assert record("example crane, pull of the rope", pull, 0.0, 15.0, "N", source="SciPy")
     assert record("example crane, order of the energy audit", moved.order, 2.0, 0.2)
     assert moved.gaps[-1] < 1e-5
+
+
+def test_the_regrasped_cable_comes_to_rest_as_a_rod(examples, record):
+    _, caught = examples["regrasped_cable"]
+    # What is left of its motion after three seconds, below a thousandth of the length.
+    off = np.linalg.norm(caught.at_rest - caught.elastica, axis=1).max()
+    assert record("example regrasped cable, shape at rest", off, 0.0, 1e-3, "m", source="solve_bvp")
+    difference = np.linalg.norm(caught.force - caught.expected)
+    assert record(
+        "example regrasped cable, force of the grip", difference, 0.0, 1e-3, "N", source="solve_bvp"
+    )
+    # The end stops, and with it at most half of the last element.
+    weight = 1100.0 * np.pi * 4e-3**2 / 24 / 2
+    assert 0 < caught.loss < weight * caught.speed**2 / 2
+    # Of the energy of the fall, with steps of 4 ms.
+    assert caught.gaps[-1] < 1e-2
+    assert caught.gaps[-1] < 0.5 * caught.gaps[0]
