@@ -222,7 +222,7 @@ def test_the_load_lifted_on_its_way_swings_as_a_pendulum(examples, record):
 
 def test_the_regrasped_cable_comes_to_rest_as_a_rod(examples, record):
     _, caught = examples["regrasped_cable"]
-    # What is left of its motion after three seconds: some 1e-4 of the length, and of its weight of half a newton.
+    # What is left of its motion after three seconds: some 1e-4 of the length, and of its weight of 0.5 N.
     off = np.linalg.norm(caught.at_rest - caught.elastica, axis=1).max()
     assert record("example regrasped cable, shape at rest", off, 0.0, 3e-4, "m", source="solve_bvp")
     difference = np.linalg.norm(caught.force - caught.expected)
