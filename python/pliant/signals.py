@@ -222,7 +222,7 @@ class Table(Signal):
         if self.smooth:
             from scipy.interpolate import CubicSpline
 
-            ends = "natural" if self.period is None else "periodic"
+            ends = "not-a-knot" if self.period is None else "periodic"
             return np.asarray(CubicSpline(times, values, axis=0, bc_type=ends)(t), dtype=np.float64)
         k = min(max(int(np.searchsorted(times, t, side="right")) - 1, 0), len(times) - 2)
         x = (t - float(times[k])) / float(times[k + 1] - times[k])
