@@ -12,7 +12,7 @@ from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
-from pliant.joints import Clamp, EdgeJoint, JointData, SlideCable, Sprung
+from pliant.joints import Clamp, DriveForce, EdgeJoint, JointData, SlideCable, Sprung, acting_along
 from pliant.latches import Latch
 from pliant.loads import LineLoad, LoadData, MovingForce, Pressure, SurfaceLoad
 from pliant.points import (
@@ -182,6 +182,25 @@ class Contents:
         """Refuse joints that cannot be released."""
         if isinstance(self._joints.get(joint), SlideCable):
             _check.fail("joint", joint, "slides along a cable: it cannot be released or engaged")
+        if isinstance(self._joints.get(joint), DriveForce):
+            _check.fail(
+                "joint",
+                joint,
+                "is a torque or a force, which cannot be released or engaged: let its value go to zero, as a "
+                "Table or an Input",
+            )
+        self._require_free(joint)
+
+    def _require_free(self, joint: str) -> None:
+        """Refuse to release or engage joints along which something acts."""
+        along = acting_along(self._joints, joint)
+        if along is not None:
+            _check.fail(
+                "joint",
+                joint,
+                f"what acts along it ('{along}') cannot be released: let the joint hold, or release a drive "
+                "in its stead, or take add_spring between its bodies",
+            )
 
     def _latch(self, joint: str) -> Latch:
         """Tell when a joint holds."""

@@ -303,6 +303,9 @@ class _Lowering(Sharing):
 
     def _latches(self) -> list[Json]:
         """Joints that are released and engaged, or could be."""
+        for name in self.model._joints:
+            if not self.model._latch(name).is_permanent:
+                self.model._require_free(name)
         return [
             {"joint": index, **latch.document(), "engaged": latch.holds_at_start}
             for name, latch in ((name, self.model._latch(name)) for name in self.model._joints)
@@ -350,11 +353,6 @@ class _Lowering(Sharing):
                 along["drive"] = self._signal(joint.value, name)
             else:
                 continue
-            if not self.model._latch(along["joint"]).is_permanent:
-                raise ModelError(
-                    f"joint '{along['joint']}': what acts along it ('{name}') cannot be released: "
-                    "let the joint hold, or take add_spring between its bodies"
-                )
             along["joint"] = self.lowered.plan[along["joint"]]["index"]
             self.lowered.forces[name] = len(documents)
             documents.append({"kind": "joint", "name": name, **along})

@@ -5,6 +5,7 @@ The fields of a joint between two points, beside ``here``, are those of the core
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +37,7 @@ __all__ = [
     "Slider",
     "Universal",
     "Weld",
+    "acting_along",
 ]
 
 Axis = tuple[float, float, float]
@@ -289,6 +291,20 @@ JOINTS: tuple[type[JointData], ...] = (
     DriveForce,
     Gear,
 )
+
+
+def acting_along(joints: Mapping[str, JointData], name: str) -> str | None:
+    """Name what acts along a joint: itself with a spring, damper or stops, a drive, or a gear."""
+    for other in joints.values():
+        if isinstance(other, Sprung):
+            acts = other.name == name and other.is_sprung
+        elif isinstance(other, (DriveForce, DriveJoint)):
+            acts = other.joint == name
+        else:
+            acts = isinstance(other, Gear) and name in (other.joint_a, other.joint_b)
+        if acts:
+            return other.name
+    return None
 
 
 def limits_of(value: Any) -> Limits | None:

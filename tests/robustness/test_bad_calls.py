@@ -125,6 +125,12 @@ def pinned(s: SimpleNamespace) -> pl.Joint:
     return joint
 
 
+def released_along(s: SimpleNamespace, **drive: float) -> Any:
+    model = s.m.copy()
+    model.drive(s.axle, name="motor", **drive)
+    return model[s.axle.name].release(at=1.0)
+
+
 def tendon(s: SimpleNamespace, points: Any = None, tension: Any = 1.0, **changes: Any) -> Any:
     points = [(0, 0, 1), s.rope.end] if points is None else points
     return s.m.add_tendon(points, tension, **changes)
@@ -418,6 +424,9 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("joint", "take the handle of a model", lambda s: pl.Joint("pin1", "").release(at=1.0)),
     ("joint", "'pin1'", lambda s: stepper(s).release("pin1")),
     ("gap", "-1", lambda s: stepper(s).engage(pinned(s), gap=-1)),
+    ("joint", "along it ('motor')", lambda s: released_along(s, torque=1.0)),
+    ("joint", "along it ('motor')", lambda s: released_along(s, rate=1.0)),
+    ("joint", "cannot be released", lambda s: s.m.copy().drive(s.axle, torque=1.0).release(at=1.0)),
     ("axis", "'z'", lambda s: s.m.hinge(s.brick.center, axis="z")),
     ("axis", "tangent", lambda s: s.m.hinge(s.rope.end, axis=(1, 1, 0))),
     ("stiffness", "-1", lambda s: s.m.hinge(s.brick.center, stiffness=-1.0)),

@@ -334,3 +334,55 @@ def test_latches_are_kept_in_files(tmp_path):
         np.testing.assert_array_equal(run._records.q, runs[0]._records.q)
     model["pin1"].release(at=0.02)
     assert not np.array_equal(pl.simulate(model, duration=0.1, step=2e-3)._records.q, runs[0]._records.q)
+
+
+@pytest.mark.parametrize("way", ["stiffness", "damping", "limits", "torque", "rate", "angle", "gear"])
+def test_joints_are_held_while_something_acts_along_them(way):
+    """A spring, drive or gear along a joint that is free would push against nothing."""
+
+    def build():
+        model = pl.Model()
+        discs = [model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(x, 0, 0)) for x in (0, 1)]
+        on_joint = {"stiffness": 2.0, "damping": 0.5, "limits": (-1.0, 1.0)}
+        options = {way: on_joint[way]} if way in on_joint else {}
+        axle, other = model.hinge(discs[0].center, **options), model.hinge(discs[1].center)
+        if way == "gear":
+            model.gear(axle, other, ratio=2.0)
+        elif way not in on_joint:
+            model.drive(axle, **{way: 0.0})
+        return model, axle, other
+
+    model, axle, other = build()
+    stepper = pl.Stepper(model, step=0.01)
+    for switch in (stepper.release, stepper.engage):
+        with pytest.raises(pl.ModelError, match=r"joint = 'hinge1': what acts along it"):
+            switch(axle)
+    with pytest.raises(pl.ModelError, match=r"joint = 'hinge1': what acts along it"):
+        axle.release(at=0.5)
+    # Nothing has changed: the run goes on, and a joint without such things can go.
+    stepper.advance(2)
+    if way != "gear":
+        stepper.release(other)
+        stepper.advance(2)
+    # What is added after the release was scheduled is found when the run begins.
+    if way in ("torque", "rate"):
+        model = pl.Model()
+        axle = model.hinge(model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1)).center).release(at=0.5)
+        model.drive(axle, **{way: 0.0})
+        with pytest.raises(pl.ModelError, match="what acts along it"):
+            pl.simulate(model, duration=1.0, step=0.1)
+
+
+def test_motors_are_released_and_torques_refused():
+    model = pl.Model()
+    shaft = model.hinge(model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1)).center)
+    motor = model.drive(shaft, angle=4.0 * pl.Ramp(1.0)).release(at=0.5)
+    result = pl.simulate(model, duration=1.0, step=0.01)
+    # Ramps are fastest in the middle, 15/8; the disc keeps that rate.
+    np.testing.assert_allclose(result.joint(shaft).velocity[51:], 7.5, atol=1e-2)
+    assert np.all(result.reaction(motor).moment[51:] == 0)
+    push = model.drive(shaft, torque=1.0)
+    with pytest.raises(pl.ModelError, match="value go to zero"):
+        push.release(at=0.5)
+    with pytest.raises(pl.ModelError, match="value go to zero"):
+        pl.Stepper(model, step=0.01).release(push)
