@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
@@ -18,8 +19,16 @@ SMALL = {
     "gantry_crane": {"lengths": (4.0, 5.0), "elements": 2, "step": 2e-2},
     "regrasped_cable": {"step": 8e-3, "duration": 6.0},
     "rolled_cantilever": {"elements": (8, 16)},
+    "slider_crank": {"duration": 0.8, "step": 4e-3, "halvings": 1},
     "soft_finger": {"mesh": (40, 4), "duration": 1.2, "step": 2e-3},
     "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
+    "spinning_top": {
+        "duration": 0.4,
+        "step": 5e-4,
+        "halvings": 1,
+        "upright_step": 1e-3,
+        "spins": (0.5, 0.85, 1.15),
+    },
     "tensegrity": {"duration": 0.5, "step": 2e-3},
 }
 
@@ -235,3 +244,68 @@ def test_the_regrasped_cable_comes_to_rest_as_a_rod(examples, record):
     # Of the energy of the fall, with steps of 4 ms.
     assert caught.gaps[-1] < 1e-2
     assert caught.gaps[-1] < 0.5 * caught.gaps[0]
+
+
+def test_a_motor_turns_the_slider_crank_with_order_2(examples, record):
+    module, turning = examples["slider_crank"]
+    # Three hinges and a slider in a plane: three of the constraints follow from the others.
+    assert sum(one.equations for one in turning.driven.model.redundant) == 3
+    for key, order in turning.orders.items():
+        # Steps of 4 and 2 ms; the next term of the error is (omega h)^2 of the first.
+        assert record(
+            f"example slider-crank, order of: {key}", order, 2.0, 0.1, source="inverse dynamics, closed form"
+        )
+    torque = turning.result.reaction(turning.driven.motor).moment[:, 2]
+    exact = module.inverse_dynamics(*module.course(turning.result.time))
+    # (4 pi/s * 2 ms)^2 of 3.5 N m.
+    error = np.abs(torque - exact).max()
+    assert record("example slider-crank, torque of the motor", error, 0.0, 1e-3, "N m", source="closed form")
+    # Played back without control, that torque turns the crank as prescribed.
+    assert turning.errors["way of the piston"][-1] < 1e-2
+    assert turning.errors["energy audit"][-1] < 1e-3
+
+
+def test_inverse_dynamics_of_the_slider_crank_is_that_of_its_energy(examples):
+    """What the closed form puts in is what bodies and spring hold, and what friction takes."""
+    module, turning = examples["slider_crank"]
+    energy, time = turning.result.energy, turning.result.time
+    angle, rate, acceleration = module.course(time)
+    dx = module.piston_way(angle)[1]
+    lost = (module.DAMPING * dx**2 + module.FRICTION) * rate**2
+    power = module.inverse_dynamics(angle, rate, acceleration) * rate
+    held = energy.kinetic + energy.elastic + energy.gravitational
+    # Trapezoidal rule over steps of 2 ms and errors of the run: (omega h)^2 of 2 J.
+    work = cumulative_trapezoid(power - lost, time, initial=0)
+    np.testing.assert_allclose(held - held[0], work, atol=2e-3)
+
+
+def test_the_top_nods_and_goes_round_as_lagrange_says(examples, record):
+    module, spinning = examples["spinning_top"]
+    lagrange = "Lagrange's equations, DOP853"
+    # The spin turns 56 mrad and 28 mrad a step.
+    assert record("example top, order", spinning.orders[0], 2.0, 0.1, source=lagrange)
+    assert record("example top, axis", spinning.errors[-1], 0.0, 1e-3, "rad", source=lagrange)
+    # The leading term of the gap still grows with a higher power of the step.
+    assert spinning.orders[1] > 1.9
+    assert spinning.gaps[-1] < 5e-4
+    for name, found in spinning.axes.items():
+        # Pushed back it turns fastest.
+        assert np.abs(found - spinning.exact[name]).max() < 2e-3, name
+    # Second order, (omega h)^2 of the precession.
+    rate, nod = spinning.steady
+    assert record("example top, steady precession", rate, module.STEADY, 2e-3, "rad/s", source="closed form")
+    assert nod < 1e-3
+
+
+def test_sleeping_tops_lean_as_far_as_energy_and_momentum_let_them(examples, record):
+    _, spinning = examples["spinning_top"]
+    for ratio, lean in zip(spinning.spins, spinning.leans, strict=True):
+        if ratio < 1:
+            # Put up with 1 mrad instead of upright; the fastest turn takes 30 steps.
+            exact = 2 * np.arccos(ratio)
+            assert record(
+                f"example top, lean at {ratio:g} n_c", lean, exact, 3e-3, "rad", source="closed form"
+            )
+        else:
+            # It stays within a few times of what it was put up with.
+            assert lean < 3e-3
