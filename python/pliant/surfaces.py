@@ -108,8 +108,8 @@ class SurfaceBody:
             _check.text(getattr(self, name), name)
         for name in ("youngs_modulus", "density"):
             _check.number(getattr(self, name), name, above=0)
-        for name in ("retardation_time", "residual_stiffness"):
-            _check.number(getattr(self, name), name, at_least=0)
+        _check.number(self.retardation_time, "retardation_time", at_least=0)
+        _check.number(self.residual_stiffness, "residual_stiffness", at_least=0, at_most=1)
         _check.number(self.poisson_ratio, "poisson_ratio", above=-1, at_most=0.5)
         for name, corners in (("quads", 4), ("triangles", 3)):
             given = getattr(self, name)

@@ -669,6 +669,14 @@ def test_altered_model_documents_are_refused_or_valid(data: st.DataObject) -> No
         assert str(pl.Model.from_document(document))
 
 
+def test_a_film_stiffer_slack_than_taut_is_refused_in_documents() -> None:
+    document = scenery().m.to_document()
+    film = next(body for body in document["bodies"] if "residual_stiffness" in body)
+    film["residual_stiffness"] = 1.5
+    with pytest.raises(pl.FileError, match="residual_stiffness"):
+        pl.Model.from_document(document)
+
+
 ANYTHING = st.one_of(
     st.none(),
     st.booleans(),

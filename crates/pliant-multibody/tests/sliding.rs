@@ -13,8 +13,12 @@ const S: usize = 21;
 
 fn joint() -> Box<dyn Joint> {
     let nodes = [0_u32, 6, 12].map(|r| pliant_elements::NodeOffsets { r, t: r + 3 }).to_vec();
-    let cable =
-        CableMap { name: String::new(), nodes, strands: vec![0..2], lengths: vec![0.7, 0.4] };
+    let cable = CableMap {
+        name: String::new(),
+        nodes,
+        strands: std::iter::once(0..2).collect(),
+        lengths: vec![0.7, 0.4],
+    };
     let point = Interpolation::weighted([(18, 1.0)]);
     let draft = Box::new(SlideCable::new(point, &cable, S));
     assert_eq!(draft.windows().len(), 2);
