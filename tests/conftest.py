@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import signal
+
 import matplotlib
 import pliant as pl
 import pytest
 
 matplotlib.use("Agg")
+
+# Jobs in the background of a shell ignore interrupts, which some tests send.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
