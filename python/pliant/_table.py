@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,11 @@ if TYPE_CHECKING:
     from pliant.model import Model
 
 MOST = 60  # rows in a notebook
+
+
+def _kind(entry: object) -> str:
+    """Return the words of a class's name: `LineLoad` is a line load."""
+    return re.sub(r"(?<!^)(?=[A-Z])", " ", type(entry).__name__).lower()
 
 
 def describe(model: Model) -> str:
@@ -80,7 +86,7 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
         how = {"shared": "shares coordinates", "redundant": "redundant", "multiplier": "", "force": ""}[
             lowered.plan[name]["kind"]
         ]
-        rows.append((name, type(joint).__name__.lower(), text + (f" ({how})" if how else "")))
+        rows.append((name, _kind(joint), text + (f" ({how})" if how else "")))
     names = {name: row for row, name in enumerate([*model._bodies, *model._joints])}
     for found in redundancies(model):
         name, what, text = rows[names[found.joint]]
@@ -90,7 +96,7 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
     for name, load in model._loads.items():
         if isinstance(load, SurfaceLoad):
             part = load.faces if isinstance(load, Pressure) else load.edge
-            rows.append((name, type(load).__name__.lower(), f"{_value(load.value)} on {part}"))
+            rows.append((name, _kind(load), f"{_value(load.value)} on {part}"))
             continue
         if isinstance(load, LineLoad):
             rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))
@@ -105,7 +111,7 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
                 if isinstance(getattr(load, entry.name), float)
             )
             places = " to ".join(str(point) for point in load.points())
-            rows.append((name, type(load).__name__.lower(), f"{', '.join(numbers)}, {places}"))
+            rows.append((name, _kind(load), f"{', '.join(numbers)}, {places}"))
         elif isinstance(load, Force):
             rows.append(
                 (name, "follower force" if load.follower else "force", f"{_value(load.value)} N at {load.at}")
