@@ -194,12 +194,7 @@ def _run(name: str, *, pictures: bool, folder: Path) -> int:
     result = scene.simulate()
     print(f"  {result.statistics.steps} steps in {time.perf_counter() - begin:.2f} s")
     measured = scene.measure(result)
-    failed = 0
-    for key, (value, tolerance, source) in scene.expected.items():
-        good = abs(measured[key] - value) <= tolerance
-        failed |= not good
-        mark = "ok  " if good else "FAIL"
-        print(f"  {mark} {key} = {measured[key]:.3g}, expected {value:g} +- {tolerance:g} ({source})")
+    print(scene.report(measured))
     if pictures:
         folder.mkdir(parents=True, exist_ok=True)
         page = folder / f"{name}.html"
@@ -211,4 +206,4 @@ def _run(name: str, *, pictures: bool, folder: Path) -> int:
             print(f"  picture  {picture}")
         except ImportError as error:
             print(f"  no picture: {error}")
-    return int(failed)
+    return int(bool(scene.failures(measured)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
 import webbrowser
@@ -23,9 +24,29 @@ def test_scenes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "falling_rope" in capsys.readouterr().out
     assert cli.main(["demo", "falling_rope", "--out", str(tmp_path / "out")]) == 0
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["falling_rope.html", "falling_rope.png"]
-    assert cli.main(["demo", "--test"]) == 0
+    assert cli.main(["demo", "falling_rope", "--test"]) == 0
     assert "FAIL" not in capsys.readouterr().out
     assert cli.main(["demo", "unknown"]) == 2
+
+
+def test_a_scene_that_fails_its_checks_is_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build = pl.scenes.falling_rope
+
+    def wrong() -> pl.scenes.Scene:
+        scene = build(elements=4, step=1e-2)
+        return dataclasses.replace(scene, expected={"hook gap": pl.scenes.Expected(1.0, 0.1, "made up")})
+
+    monkeypatch.setitem(pl.scenes.SCENES, "falling_rope", wrong)
+    assert cli.main(["demo", "falling_rope", "--test"]) == 1
+    assert "FAIL hook gap" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_every_scene_is_as_expected(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["demo", "--test"]) == 0
+    assert "FAIL" not in capsys.readouterr().out
 
 
 def test_models_run_and_results_are_viewed(

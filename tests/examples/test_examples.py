@@ -11,12 +11,24 @@ from scipy.integrate import cumulative_trapezoid
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
 SMALL = {
+    "bungee": {"jump": {"elements": 20, "step": 4e-3}, "drop": {"elements": 50, "step": 2e-3}},
     "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
     "cable_robot": {"elements": 2, "duration": 2.5},
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
+    "folded_chain": {"elements": 60, "step": 5e-4, "duration": 0.51},
+    "galloping_line": {
+        "winds": (1.0, 2.0),
+        "elements": 8,
+        "amplitude": 0.8,
+        "duration": 200.0,
+        "step": 8e-2,
+    },
     "gantry_crane": {"lengths": (4.0, 5.0), "elements": 2, "step": 2e-2},
+    "hanging_chain": {"elements": 50, "step": 1e-2},
+    "moving_truck": {"elements": 20, "step": 5e-3},
+    "pendulum_winch": {"haul": 80.0, "duration": 90.0, "step": 2e-2},
     "regrasped_cable": {"step": 8e-3, "duration": 6.0},
     "rolled_cantilever": {"elements": (8, 16)},
     "slider_crank": {"duration": 0.8, "step": 4e-3, "halvings": 1},
@@ -33,16 +45,24 @@ SMALL = {
 }
 
 
+class Examples(dict):
+    """Every example, imported as its neighbours import the shared style, and its small run, when needed."""
+
+    def __missing__(self, name):
+        before = list(sys.path)
+        sys.path.insert(0, str(EXAMPLES))
+        try:
+            module = importlib.import_module(name)
+        finally:
+            sys.path[:] = before
+        self[name] = module, module.run(**SMALL[name])
+        return self[name]
+
+
 @pytest.fixture(scope="module")
 def examples():
-    """Every example, imported as its neighbours import the shared style, and its small run."""
-    before = list(sys.path)
-    sys.path.insert(0, str(EXAMPLES))
-    try:
-        modules = {name: importlib.import_module(name) for name in NAMES}
-    finally:
-        sys.path[:] = before
-    return {name: (module, module.run(**SMALL[name])) for name, module in modules.items()}
+    """Each example's module and small run by its name."""
+    return Examples()
 
 
 def test_every_example_is_tested_and_shown():
@@ -51,6 +71,29 @@ def test_every_example_is_tested_and_shown():
     for name in NAMES:
         assert f"python examples/{name}.py" in gallery
         assert f"python examples/{name}.py" in (EXAMPLES / f"{name}.py").read_text(encoding="utf-8")
+
+
+def audits(numbers):
+    """Scenes that an example has run with a step and half of it."""
+    held = [numbers, *getattr(numbers, "__dict__", {}).values()]
+    return [part for part in held if hasattr(part, "drifts") and hasattr(part, "scene")]
+
+
+SCENES = [name for name in NAMES if "from _audit import" in (EXAMPLES / f"{name}.py").read_text()]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_shows_what_is_expected_of_it(name, examples, record):
+    _, numbers = examples[name]
+    found = audits(numbers)
+    assert found
+    for audit in found:
+        scene = audit.scene
+        assert set(scene.expected) <= set(audit.measured)
+        for key, (value, tolerance, source) in scene.expected.items():
+            label = f"scene {scene.name} (small), {key}"
+            assert record(label, audit.measured[key], value, tolerance, source=source)
+        assert audit.drifts[1] < audit.drifts[0]
 
 
 @pytest.mark.parametrize("name", NAMES)

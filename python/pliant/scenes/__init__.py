@@ -4,10 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from pliant.scenes.bridge_catenary import bridge_catenary, elastic_catenary, loaded_catenary
+from pliant.scenes.bungee import bungee, drop_test, stopping_tension
 from pliant.scenes.falling_rope import falling_rope
-from pliant.scenes.scene import Scene
+from pliant.scenes.folded_chain import folded_chain
+from pliant.scenes.galloping_line import galloping_line
+from pliant.scenes.hanging_chain import hanging_chain
+from pliant.scenes.pendulum_winch import pendulum_winch
+from pliant.scenes.scene import Expected, Scene, energy_drift
 
-__all__ = ["SCENES", "Scene", "falling_rope"]
+__all__ = [
+    "SCENES",
+    "Expected",
+    "Scene",
+    "bridge_catenary",
+    "bungee",
+    "drop_test",
+    "elastic_catenary",
+    "energy_drift",
+    "falling_rope",
+    "folded_chain",
+    "galloping_line",
+    "hanging_chain",
+    "loaded_catenary",
+    "pendulum_winch",
+    "stopping_tension",
+]
 
-SCENES: dict[str, Callable[[], Scene]] = {"falling_rope": falling_rope}
+SCENES: dict[str, Callable[..., Scene]] = {
+    build.__name__: build
+    for build in (
+        falling_rope,
+        bridge_catenary,
+        hanging_chain,
+        folded_chain,
+        galloping_line,
+        bungee,
+        drop_test,
+        pendulum_winch,
+    )
+}
 """Scenes by name, each with its defaults."""
