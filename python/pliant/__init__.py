@@ -15,12 +15,25 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pliant.contacts import HalfSpace
 from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
+from pliant.friction import Coulomb, LuGre, lugre
 from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff, youngs_modulus_from_shore_a
 from pliant.mesh import Mesh
 from pliant.model import Model
-from pliant.points import Cable, CableNet, Joint, Line, Load, Point, PointMass, RigidBody
+from pliant.points import (
+    Cable,
+    CableNet,
+    Contact,
+    Joint,
+    Line,
+    Load,
+    Obstacle,
+    Point,
+    PointMass,
+    RigidBody,
+)
 from pliant.sections import Circle, Rectangle, Section, Tube
 from pliant.shapes import Box, Capsule, Cylinder, Sphere
 from pliant.signals import Input, Ramp, Table
@@ -40,23 +53,28 @@ __all__ = [
     "CableNet",
     "Capsule",
     "Circle",
+    "Contact",
     "ConvergenceError",
+    "Coulomb",
     "Curve",
     "Cylinder",
     "Edge",
     "Faces",
     "FileError",
+    "HalfSpace",
     "Input",
     "Joint",
     "Line",
     "LinearElastic",
     "Load",
+    "LuGre",
     "Membrane",
     "Mesh",
     "Model",
     "ModelError",
     "Modes",
     "NeoHookean",
+    "Obstacle",
     "Point",
     "PointMass",
     "Ramp",
@@ -70,6 +88,7 @@ __all__ = [
     "Stepper",
     "Table",
     "Tube",
+    "lugre",
     "resume",
     "scenes",
     "sdi",

@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
+from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
 from pliant.joints import Clamp, DriveForce, EdgeJoint, JointData, SlideCable, Sprung, acting_along
@@ -18,9 +19,11 @@ from pliant.loads import LineLoad, LoadData, MovingForce, Pressure, SurfaceLoad
 from pliant.points import (
     Cable,
     CableNet,
+    Contact,
     Handle,
     Joint,
     Load,
+    Obstacle,
     Point,
     PointMass,
     RigidBody,
@@ -48,6 +51,8 @@ class Contents:
         # Things are added and stay as they are: what is known of the first of them remains true.
         self._numbers: dict[str, int] = {}
         self._box = (0, np.full(3, np.inf), np.full(3, -np.inf))
+        self._obstacles: dict[str, ObstacleData] = {}
+        self._contacts: dict[str, ContactData] = {}
 
     @property
     def gravity(self) -> FloatArray:
@@ -77,7 +82,7 @@ class Contents:
     @property
     def contacts(self) -> list[Handle]:
         """Handles of the contacts."""
-        return []
+        return [self[name] for name in self._contacts]
 
     def __getitem__(self, name: str) -> Any:
         """Handle of that name."""
@@ -86,6 +91,10 @@ class Contents:
                 return Joint(name, self._identity, self)
             if name in self._loads:
                 return Load(name, self._identity)
+            if name in self._obstacles:
+                return Obstacle(name, self._identity)
+            if name in self._contacts:
+                return Contact(name, self._identity)
             body = self._bodies.get(name)
             if isinstance(body, MassBody):
                 return self._mass_handle(name)
@@ -95,7 +104,7 @@ class Contents:
                 return (Cable if body.kind == "cable" else CableNet)(name, self._identity, body)
             if isinstance(body, SurfaceBody):
                 return (Shell if body.kind == "shell" else Membrane)(name, self._identity, body)
-        names = ", ".join([*self._bodies, *self._joints, *self._loads]) or "nothing"
+        names = ", ".join(self._names()) or "nothing"
         _check.fail("name", name, f"the model holds {names}")
 
     def _verify(self) -> None:
@@ -128,6 +137,12 @@ class Contents:
                 places.append((load.at, (Point,)))
             elif not isinstance(self._bodies[load.body], LineBody):
                 raise ModelError(f"load '{load.name}': '{load.body}' is no cable")
+        for contact in self._contacts.values():
+            if not isinstance(self._bodies.get(contact.a), LineBody):
+                raise ModelError(f"contact '{contact.name}': '{contact.a}' is no cable")
+            other = self._bodies.get(contact.b) or self._obstacles.get(contact.b)
+            if not isinstance(other, (LineBody, ObstacleData)):
+                raise ModelError(f"contact '{contact.name}': '{contact.b}' is no cable and no obstacle")
         for place, kinds in places:
             if not isinstance(place, kinds):
                 raise ModelError(f"{place!r} is no point")
@@ -144,6 +159,9 @@ class Contents:
         if last >= (body.nodes if isinstance(part, Edge) else body.elements):
             raise ModelError(f"'{name}': '{part.body}' has another mesh")
 
+    def _names(self) -> list[str]:
+        return [*self._bodies, *self._joints, *self._loads, *self._obstacles, *self._contacts]
+
     def _new_name(self, name: object, kind: str) -> str:
         if name is None:
             k = self._numbers.get(kind, 1)
@@ -157,7 +175,8 @@ class Contents:
         return name
 
     def _is_taken(self, name: str) -> bool:
-        return name in self._bodies or name in self._joints or name in self._loads
+        kinds = (self._bodies, self._joints, self._loads, self._obstacles, self._contacts)
+        return any(name in things for things in kinds)
 
     def _mass_handle(self, name: str) -> PointMass:
         body = self._bodies[name]
@@ -207,7 +226,7 @@ class Contents:
         return self._latches.get(joint, Latch())
 
     def _body(self, handle: Any, name: str) -> Body:
-        if not isinstance(handle, Handle) or isinstance(handle, (Joint, Load)):
+        if not isinstance(handle, Handle) or isinstance(handle, (Joint, Load, Obstacle, Contact)):
             _check.fail(name, handle, "must be a body of this model")
         require_handle(handle, name, self._identity)
         if handle.name not in self._bodies:

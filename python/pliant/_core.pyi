@@ -235,6 +235,12 @@ def cable_element(cable: str, q: FloatArray, v: FloatArray) -> dict[str, Any]:
     ``damping`` and ``mass`` (12, 12) at coordinates (r1, t1, r2, t2) and their rates. ``cable`` is a JSON
     document like that of a cable of one element in a model document, with its arrays inside."""
 
+def lugre(
+    coefficients: FloatArray, time: FloatArray, velocity: FloatArray, normal: FloatArray, end_rule: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Force and deflection (n, 3) of the LuGre law for ``velocity`` (n, 3); ``coefficients`` are mu_s, mu_d,
+    v_s, alpha, sigma_0, sigma_1, sigma_2 of a force."""
+
 __version__: str
 
 def surface_shape(kind: str, chart: FloatArray, at: tuple[float, float]) -> FloatArray:

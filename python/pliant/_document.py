@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from pliant.bodies import LineBody, MassBody
+from pliant.contacts import ContactData, HalfSpace, ObstacleData
 from pliant.errors import ModelError
 from pliant.forces import FORCES
+from pliant.friction import Coulomb, LuGre
 from pliant.joints import JOINTS
 from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, MovingForce, Pressure
 from pliant.points import Point, WorldPoint
@@ -35,6 +37,11 @@ KINDS: Mapping[str, type[Any]] = {
         *SHAPES,
         *JOINTS,
         *FORCES,
+        ContactData,
+        ObstacleData,
+        HalfSpace,
+        LuGre,
+        Coulomb,
         Force,
         Moment,
         LineLoad,

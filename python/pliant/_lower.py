@@ -13,6 +13,7 @@ from pliant._lowered import BodyState, Input, Lowered, numbers_of, signals_of
 from pliant._sharing import Sharing
 from pliant._stops import stops
 from pliant.bodies import LineBody
+from pliant.contacts import ContactData, arc, knots
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
 from pliant.joints import (
@@ -115,6 +116,7 @@ class _Lowering(Sharing):
                 self._load(load) for load in self.model._loads.values() if not isinstance(load, ForceData)
             ],
             "forces": self._forces(),
+            "contacts": [self._contact(contact) for contact in self.model._contacts.values()],
         }
         out.multipliers = 6 * len(self.rigid) + sum(
             self._equations(joint)
@@ -198,6 +200,7 @@ class _Lowering(Sharing):
             "rest_length": None if body.rest_length is None else self._signal(body.rest_length, body.name),
             "tension_only": body.tension_only,
             "retardation_time": body.retardation_time,
+            "radius": self._array(body.radius),
             "shared": self._array(np.array(self.rows[body.name], dtype=np.float64).reshape(-1, 2)),
         }
 
@@ -331,6 +334,45 @@ class _Lowering(Sharing):
             axes = [document.pop(f"axis_{k}") for k in "xyz"]
             document["orientation"] = axes if axes[0] is not None else None
         return document
+
+    def _contact(self, contact: ContactData) -> Json:
+        """Write a contact; the cable of the finer mesh carries the points."""
+        a = self.lines[contact.a]
+        other = self.lines.get(contact.b)
+        slave, master = a, other
+        if other is not None and other is not a and other.lengths.mean() < a.lengths.mean():
+            slave, master = other, a
+        document: Json = {
+            "name": contact.name,
+            "slave": self.lowered.cables[slave.name],
+            **contact.laws([slave] if master is None or master is slave else [slave, master]),
+            # Closer than half a turn of the tightest bend a line cannot meet itself.
+            "window": 1.05 * np.pi * float(slave.radius.max()) if master is slave else 0.0,
+            "apart": self._array(self._apart(contact, slave, master)),
+        }
+        if master is None:
+            document["master"] = self.model._obstacles[contact.b].document()
+        else:
+            document["master"] = {"kind": "line", "cable": self.lowered.cables[master.name]}
+        return document
+
+    def _apart(self, contact: ContactData, slave: LineBody, master: LineBody | None) -> Any:
+        """Arc lengths on both sides of what joins them, and how far around nothing touches, (k, 3)."""
+        rows: list[tuple[float, float, float]] = []
+        if master is None:
+            return rows
+        width = 3.0 * float(slave.radius.max() + master.radius.max())
+        for joint in self.model._joints.values():
+            given = (getattr(joint, "a", None), getattr(joint, "b", None))
+            ends = [p for p in given if isinstance(p, Point) and p.body in self.lines]
+            places = {p.body: arc(self.lines[p.body], p) for p in ends}
+            if slave is not master and {slave.name, master.name} == set(places):
+                rows.append((places[slave.name], places[master.name], width))
+            elif slave is master and len(ends) == 2 and set(places) == {slave.name}:
+                rows.append((arc(slave, ends[0]), arc(slave, ends[1]), width))
+        if slave is master:
+            rows += [(one, other, width) for one, other in knots(slave)]
+        return rows
 
     def _forces(self) -> list[Json]:
         documents: list[Json] = []

@@ -32,6 +32,13 @@ def _kind(entry: object) -> str:
 def describe(model: Model) -> str:
     """Bodies, joints and loads of a model, one a line."""
     head, rows = _contents(model)
+    for name, obstacle in model._obstacles.items():
+        place = "({:.6g}, {:.6g}, {:.6g})".format(*obstacle.position)
+        rows.append((name, "obstacle", f"{type(obstacle.shape).__name__} at {place}"))
+    for name, contact in model._contacts.items():
+        law = "no friction" if contact.friction is None else str(contact.friction)
+        other = "itself" if contact.a == contact.b else contact.b
+        rows.append((name, "contact", f"{contact.a} with {other}, {law}"))
     widths = [max((len(row[k]) for row in rows), default=0) for k in (0, 1)]
     return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
 

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
-from pliant._actuation import Actuation
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
 from pliant._sheets import Sheets
+from pliant._touching import Touching
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
+from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
 from pliant.forces import FORCES
@@ -34,7 +35,11 @@ __all__ = ["Model"]
 LOADS = (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, *FORCES)
 
 
-class Model(Sheets, Actuation):
+LATER = ("obstacles", "contacts")
+"""Lists that a document may lack."""
+
+
+class Model(Sheets, Touching):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -540,6 +545,7 @@ class Model(Sheets, Actuation):
         other._identity = self._identity
         other._bodies, other._joints, other._loads = dict(self._bodies), dict(self._joints), dict(self._loads)
         other._latches = dict(self._latches)
+        other._obstacles, other._contacts = dict(self._obstacles), dict(self._contacts)
         return other
 
     __copy__ = copy
@@ -553,6 +559,8 @@ class Model(Sheets, Actuation):
             "bodies": self._bodies,
             "joints": self._joints,
             "loads": self._loads,
+            "obstacles": self._obstacles,
+            "contacts": self._contacts,
         }
         return {
             "format": "pliant-model",
@@ -584,9 +592,11 @@ class Model(Sheets, Actuation):
                     model._loads,
                     (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, *FORCES),
                 ),
+                ("obstacles", model._obstacles, (ObstacleData,)),
+                ("contacts", model._contacts, (ContactData,)),
             ]
             for key, items, kinds in lists:
-                for entry in document[key]:
+                for entry in document.get(key, []) if key in LATER else document[key]:
                     item = decode(entry)
                     if type(item) not in kinds:
                         raise ModelError(f"{key}: {type(item).__name__} does not belong here")

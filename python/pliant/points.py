@@ -123,6 +123,9 @@ class Handle:
     name: str
     identity: str
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r})"
+
 
 @dataclass(frozen=True)
 class Joint(Handle):
@@ -194,6 +197,16 @@ class Joint(Handle):
 @dataclass(frozen=True)
 class Load(Handle):
     """A load of a model."""
+
+
+@dataclass(frozen=True, repr=False)
+class Obstacle(Handle):
+    """A fixed shape that bodies may touch."""
+
+
+@dataclass(frozen=True, repr=False)
+class Contact(Handle):
+    """A pair of a model that may touch."""
 
 
 @dataclass(frozen=True)

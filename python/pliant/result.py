@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pliant import _check
-from pliant._forces import Forces
+from pliant._contact_forces import ContactForces
 from pliant._motion import Motion
 from pliant._table import table
 from pliant.records import Records
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Result"]
 
 
-class Result(Motion, Forces):
+class Result(Motion, ContactForces):
     """What :func:`pliant.simulate` or :func:`pliant.solve_static` computed.
 
     Attributes

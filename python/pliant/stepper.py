@@ -121,7 +121,7 @@ class Stepper:
         options: dict[str, Any] = {
             "steps": Steps.checked(step, rtol, atol, max_step).document(),
             "record_every": 0 if record_every is None else _check.count(record_every, "record_every"),
-            "spectral_radius": 0.8
+            "spectral_radius": (0.5 if model.contacts else 0.8)
             if spectral_radius is None
             else _check.number(spectral_radius, "spectral_radius", at_least=0, at_most=1),
             "tolerance": None

@@ -12,6 +12,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
 SMALL = {
     "bungee": {"jump": {"elements": 20, "step": 4e-3}, "drop": {"elements": 50, "step": 2e-3}},
+    "crossing_ropes": {"elements": (6, 12, 24), "steps": (1e-3, 5e-4, 2.5e-4), "duration": 0.05},
     "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
     "cable_robot": {"elements": 2, "duration": 2.5},
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
@@ -352,3 +353,20 @@ def test_sleeping_tops_lean_as_far_as_energy_and_momentum_let_them(examples, rec
         else:
             # It stays within a few times of what it was put up with.
             assert lean < 3e-3
+
+
+def test_crossing_ropes_converge(examples, record):
+    _, crossing = examples["crossing_ropes"]
+    # Only what Newton's iteration leaves is lost.
+    assert record("example crossing ropes, drift of momentum", crossing.momentum, 0.0, 1e-7)
+    # Less than a hundredth, and less with shorter steps.
+    assert record("example crossing ropes, energy drift at 1 ms", crossing.gaps[0], 0.0, 0.01)
+    assert crossing.gaps[-1] < crossing.gaps[0]
+    whole = np.linalg.norm(crossing.by_elements[-1])
+    mesh, step = (
+        np.linalg.norm(impulses[:-1] - impulses[-1], axis=1) / whole
+        for impulses in (crossing.by_elements, crossing.by_step)
+    )
+    # Six elements cannot follow the bend at the blow, twelve can; steps are cut there, whatever the step.
+    assert mesh[1] < 0.5 * mesh[0] < 0.01
+    assert step.max() < 2e-3

@@ -14,11 +14,23 @@ from tree import ROOT, read, tracked_files
 FLOORS = {
     "pliant-math": set(),
     "pliant-elements": {"pliant-math"},
+    "pliant-contact": {"pliant-math"},
     "pliant-dae": {"pliant-math"},
-    "pliant-multibody": {"pliant-math", "pliant-elements", "pliant-dae"},
-    "pliant-python": {"pliant-math", "pliant-elements", "pliant-dae", "pliant-multibody"},
+    "pliant-multibody": {"pliant-math", "pliant-elements", "pliant-contact", "pliant-dae"},
+    "pliant-python": {
+        "pliant-math",
+        "pliant-elements",
+        "pliant-contact",
+        "pliant-dae",
+        "pliant-multibody",
+    },
 }
-ONLY_IN = {"faer": {"pliant-dae"}, "pyo3": {"pliant-python"}, "numpy": {"pliant-python"}}
+ONLY_IN = {
+    "faer": {"pliant-dae"},
+    "parry3d-f64": {"pliant-contact"},
+    "pyo3": {"pliant-python"},
+    "numpy": {"pliant-python"},
+}
 
 
 def rooms():
@@ -95,6 +107,13 @@ def test_faer_is_named_in_the_solver_only():
     for path in tracked_files():
         if path.suffix == ".rs" and not path.is_relative_to("crates/pliant-dae"):
             assert not re.search(r"\bfaer::", read(path)), path
+
+
+def test_parry_is_named_in_one_file():
+    naming = [
+        path for path in tracked_files() if path.suffix == ".rs" and re.search(r"\bparry3d_f64\b", read(path))
+    ]
+    assert [path.name for path in naming] == ["broad_phase.rs"]
 
 
 def test_python_floors():

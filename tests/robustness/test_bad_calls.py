@@ -30,6 +30,8 @@ def scenery() -> SimpleNamespace:
     )
     ball = model.add_point_mass(1.0, at=(0, 0, 5))
     other = pl.Model()
+    ground = model.add_obstacle(pl.HalfSpace(), position=(0, 0, -9), name="ground")
+    model.add_contact(rope)
     stranger = other.add_cable([(0, 0, 0), (1, 0, 0)], elements=4, section=section, material=rubber)
     kinds = {"elements": 4, "section": section, "material": rubber}
     line = [(0, 0, 0), (1, 0, 0)]
@@ -53,6 +55,7 @@ def scenery() -> SimpleNamespace:
         rail=model.slider(cart),
         axle=model.hinge(wheel.center),
         grip=model.clamp(post),
+        ground=ground,
         stranger=stranger,
         k=kinds,
         line=line,
@@ -147,6 +150,7 @@ def helix(s: float) -> tuple[float, float, float]:
     return math.cos(x), math.sin(x), x
 
 
+LAW = pl.LuGre(0.4, 0.3, bristle_stiffness=1e5)
 TRIANGLE = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 
 CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
@@ -218,6 +222,34 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("density", "False", lambda s: elastic(density=False)),
     ("retardation_time", "-0.1", lambda s: elastic(retardation_time=-0.1)),
     ("hardness", "100", lambda s: pl.youngs_modulus_from_shore_a(100)),
+    # friction and contact
+    ("static", "0", lambda s: pl.LuGre(0, 0)),
+    ("dynamic", "0.5", lambda s: pl.LuGre(0.4, 0.5)),
+    ("stribeck_velocity", "-1", lambda s: pl.LuGre(0.4, 0.3, stribeck_velocity=-1)),
+    ("bristle_stiffness", "None", lambda s: pl.LuGre(0.4, 0.3, form="per_length")),
+    ("form", "'total'", lambda s: pl.LuGre(0.4, 0.3, form="total")),
+    ("coefficient", "'high'", lambda s: pl.Coulomb("high")),
+    ("law", "Coulomb", lambda s: pl.lugre(pl.Coulomb(0.3), [0, 1], [0, 0], 1.0)),
+    ("law.bristle_stiffness", "None", lambda s: pl.lugre(pl.LuGre(0.3, 0.2), [0, 1], [0, 0], 1.0)),
+    ("time", "[1, 0]", lambda s: pl.lugre(LAW, [1, 0], [0, 0], 1.0)),
+    ("velocity", "[0, 0, 0]", lambda s: pl.lugre(LAW, [0, 1], [0, 0, 0], 1.0)),
+    ("normal_force", "-1.0", lambda s: pl.lugre(LAW, [0, 1], [0, 0], -1.0)),
+    ("rule", "'start'", lambda s: pl.lugre(LAW, [0, 1], [0, 0], 1.0, rule="start")),
+    ("normal", "(0, 0, 0)", lambda s: pl.HalfSpace(normal=(0, 0, 0))),
+    ("shape", "'floor'", lambda s: s.m.add_obstacle("floor")),
+    ("position", "(0, 0)", lambda s: s.m.add_obstacle(pl.HalfSpace(), position=(0, 0))),
+    ("orientation", "(0, 0, 1)", lambda s: s.m.add_obstacle(pl.Sphere(1.0), orientation=(0, 0, 1))),
+    ("a", "(0, 0, 0)", lambda s: s.m.add_contact((0, 0, 0))),
+    ("a", "PointMass", lambda s: s.m.add_contact(s.ball)),
+    ("b", "brick", lambda s: s.m.add_contact(s.rope, s.brick)),
+    ("b", "another model", lambda s: s.m.add_contact(s.rope, s.stranger)),
+    ("a", "ground", lambda s: s.m.add_contact(s.ground, s.ground)),
+    ("b", "contact1", lambda s: s.m.add_contact(s.rope)),
+    ("stiffness", "0", lambda s: s.m.add_contact(s.rope, s.net, stiffness=0)),
+    ("damping", "-1", lambda s: s.m.add_contact(s.rope, s.net, damping=-1)),
+    ("friction", "0.3", lambda s: s.m.add_contact(s.rope, s.net, friction=0.3)),
+    ("bodies", "Cable", lambda s: s.m.add_contacts(s.rope)),
+    ("bodies[1]", "3", lambda s: s.m.add_contacts([s.rope, 3])),
     # signals
     ("times", "[1.0, 0.0]", lambda s: pl.Table([1.0, 0.0], [0.0, 1.0])),
     ("times", "[0.0]", lambda s: pl.Table([0.0], [0.0])),

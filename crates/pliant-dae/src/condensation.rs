@@ -11,7 +11,7 @@ mod cap;
 mod chain;
 mod graph;
 
-use crate::linear_solver::{FactorError, LinearSolver, Options, analyze, non_finite_element};
+use crate::linear_solver::{FactorError, LinearSolver, Options, choose, non_finite_element};
 use crate::sparse::Sparse;
 use crate::structure::{Slot, Storage, Structure, entries};
 use chain::Chain;
@@ -292,7 +292,7 @@ impl Interface {
             .iter()
             .map(|chain| add_condensed(&mut reduced, chain, &place, &group_of))
             .collect();
-        let solver = analyze(&reduced, Options { condense: false, ..options })?;
+        let solver = choose(&reduced, Options { condense: false, ..options })?;
         Ok(Some(Self {
             values: vec![0.0; reduced.values()],
             solver,

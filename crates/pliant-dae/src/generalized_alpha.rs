@@ -50,7 +50,15 @@ impl<P: Problem> Integrator<P> {
             }
             return Err(error);
         }
-        self.accept(h);
+        self.complete(h);
+        let part = self.work.part;
+        if let Err(source) = self.problem.judge(self.state.point(), self.work.next.point(), part) {
+            if prepared_anew {
+                self.undo_prepare();
+            }
+            return Err(Error::Evaluation { t, source });
+        }
+        self.accept();
         watch.lap(&mut self.statistics.seconds.other);
         Ok(StepReport {
             iterations: self.statistics.newton_iterations - before.0,
@@ -191,10 +199,10 @@ impl<P: Problem> Integrator<P> {
         f64::from_bits(size)
     }
 
-    /// Computes what follows from the accelerations, hands over to the problem, and turns the buffers round.
-    fn accept(&mut self, h: f64) {
+    /// Computes what follows from the accelerations.
+    fn complete(&mut self, h: f64) {
         let c = self.coefficients;
-        let (old, next) = (&mut self.state, &mut self.work.next);
+        let (old, next) = (&self.state, &mut self.work.next);
         let n = old.v.len();
         let inverse = 1.0 / (1.0 - c.alpha_m);
         let (c1, c0, cm) = ((1.0 - c.alpha_f) * inverse, c.alpha_f * inverse, c.alpha_m * inverse);
@@ -208,6 +216,11 @@ impl<P: Problem> Integrator<P> {
                 a1_alg[i] = new;
             }
         });
+    }
+
+    /// Hands over to the problem, and turns the buffers round.
+    fn accept(&mut self) {
+        let (old, next) = (&mut self.state, &mut self.work.next);
         self.problem.accept(old.point(), next.point());
         swap(&mut old.a_previous, &mut old.a);
         swap(&mut old.a, &mut next.a);

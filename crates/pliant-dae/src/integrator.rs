@@ -73,6 +73,8 @@ pub(crate) struct Workspace {
     pub(crate) zero: Vec<f64>,
     pub(crate) monitor: Monitor,
     pub(crate) saved: Saved,
+    /// Part of the nominal step that is tried; 0 outside of nominal steps.
+    pub(crate) part: f64,
     /// Accelerations perturbed for the error estimate.
     pub(crate) perturbed: Vec<f64>,
     /// Error of the last controlled step, in units of the tolerance.
@@ -133,6 +135,7 @@ impl<P: Problem> Integrator<P> {
             inverse_constraint_scale: inverse(problem.constraint_scale()),
             monitor: Monitor::with_capacity(options.newton.max_iterations),
             saved: Saved::default(),
+            part: 0.0,
             perturbed: Vec::new(),
             error: 0.0,
             inverse_error_scale: inverse(&problem.error_scale()),
@@ -309,7 +312,10 @@ impl<P: Problem> Integrator<P> {
             } else {
                 begin + h * (f64::from(done + size) / f64::from(TICKS))
             };
-            match self.step_to(t, h * part) {
+            self.work.part = part;
+            let outcome = self.step_to(t, h * part);
+            self.work.part = 0.0;
+            match outcome {
                 Ok(report) => {
                     done += size;
                     total.iterations += report.iterations;

@@ -74,6 +74,48 @@ pub fn analyze(
     structure: &Structure,
     options: Options,
 ) -> Result<Box<dyn LinearSolver>, FactorError> {
+    let solver = choose(structure, options)?;
+    Ok(Box::new(Following { solver, options, version: structure.version() }))
+}
+
+/// A solver that is analysed anew whenever its structure has changed.
+struct Following {
+    solver: Box<dyn LinearSolver>,
+    options: Options,
+    version: u64,
+}
+
+impl LinearSolver for Following {
+    fn factor(&mut self, structure: &Structure, values: &[f64]) -> Result<(), FactorError> {
+        if structure.version() != self.version {
+            self.solver = choose(structure, self.options)?;
+            self.version = structure.version();
+        }
+        self.solver.factor(structure, values)
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        self.solver.solve(x);
+    }
+
+    fn solve_transposed(&mut self, x: &mut [f64]) {
+        self.solver.solve_transposed(x);
+    }
+
+    fn factor_cost(&self) -> f64 {
+        self.solver.factor_cost()
+    }
+
+    fn describe(&self) -> String {
+        self.solver.describe()
+    }
+}
+
+/// The back end for a structure.
+pub(crate) fn choose(
+    structure: &Structure,
+    options: Options,
+) -> Result<Box<dyn LinearSolver>, FactorError> {
     if options.condense
         && let Some(condensed) = Condensed::new(structure, options)?
     {

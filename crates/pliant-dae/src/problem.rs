@@ -106,8 +106,26 @@ pub trait Problem: Send {
         phi: &mut [f64],
     ) -> Result<(), EvaluationError>;
 
-    /// Element matrices of the iteration matrix, written to `values` (length `structure().values()`).
-    fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]);
+    /// Element matrices of the iteration matrix, written to `values`.
+    ///
+    /// The structure may change here, and only here, with what is coupled at this point: `values` is left with its
+    /// length, `structure().values()`, then.
+    fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut Vec<f64>);
+
+    /// Judges a step that has converged, before it is accepted: refused, it is tried again in smaller ones. `part` is
+    /// its part of the nominal step, which cannot be cut for ever; 0 where there is none.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] saying what is wrong with it.
+    fn judge(
+        &mut self,
+        before: Point<'_>,
+        after: Point<'_>,
+        part: f64,
+    ) -> Result<(), EvaluationError> {
+        let _ = (before, after, part);
+        Ok(())
+    }
 
     /// What is left of the second time derivative of `phi` at a = 0:
     /// `out = (phi_q v)_q v + 2 phi_qt v + phi_tt`.

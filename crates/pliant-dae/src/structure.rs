@@ -41,6 +41,14 @@ pub struct Structure {
     element_groups: Vec<u32>,
     slots: Vec<Slot>,
     values: usize,
+    version: u64,
+}
+
+/// Where a structure ends, to go back there: see [`Structure::truncate`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mark {
+    elements: usize,
+    values: usize,
 }
 
 impl Structure {
@@ -60,6 +68,27 @@ impl Structure {
         debug_assert!(unknowns.end <= self.unknowns && !unknowns.is_empty());
         self.groups.push(unknowns);
         self.groups.len() - 1
+    }
+
+    /// Where the structure ends.
+    #[must_use]
+    pub fn mark(&self) -> Mark {
+        Mark { elements: self.elements(), values: self.values }
+    }
+
+    /// Takes back all elements and values added since `mark`; what is added then makes a new version.
+    pub fn truncate(&mut self, mark: Mark) {
+        self.slots.truncate(mark.elements);
+        self.element_starts.truncate(mark.elements + 1);
+        self.element_groups.truncate(self.element_starts[mark.elements]);
+        self.values = mark.values;
+        self.version += 1;
+    }
+
+    /// Changes with [`Self::truncate`]: solvers analyse a structure again when it does.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// Adds one element over `groups` (its local unknowns are theirs, in this order) with its own storage of

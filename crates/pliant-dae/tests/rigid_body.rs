@@ -135,7 +135,7 @@ impl Problem for Body {
         }
         Ok(())
     }
-    fn tangent(&mut self, at: Point<'_>, k: Weights, values: &mut [f64]) {
+    fn tangent(&mut self, at: Point<'_>, k: Weights, values: &mut Vec<f64>) {
         let n = 6 + self.multipliers();
         values.fill(0.0);
         let (p, w) = (&at.q[3..7], three(&at.v[3..]));

@@ -77,5 +77,49 @@ fn pendulum(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pendulum);
+/// Two ropes that hit each other, slide and rest on each other: half a second in steps of half a millisecond, 80 % of
+/// them in contact.
+fn crossing(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("crossing ropes, one step");
+    group.sample_size(10);
+    for elements in [20_usize, 40, 80] {
+        let model = Arc::new(Model::new(&support::thrown_across(elements), &[]).unwrap());
+        let integrator = Options { spectral_radius: 0.5, timed: true, ..Options::default() };
+        let options = RunOptions { integrator, threads: 1 };
+        let steps = 1000;
+        let leg = Leg { steps, step: 5e-4, end: None, output_every: 0 };
+        let whole = || {
+            let mut run = Run::new(model.clone(), &options, Start::default()).unwrap().0;
+            run.advance(leg, Duration::MAX).unwrap();
+            run
+        };
+        let run = whole();
+        let statistics = run.statistics();
+        let per = |count: usize| count as f64 / steps as f64;
+        let s = statistics.seconds;
+        let us = |seconds: f64| 1e6 * seconds / steps as f64;
+        println!(
+            "{elements} elements each: {:.2} iterations, {:.2} factorisations a step, {} steps refused; us a step: \
+             residual {:.0}, tangent {:.0}, factor {:.0}, solve {:.0}, other {:.0}",
+            per(statistics.newton_iterations),
+            per(statistics.factorizations),
+            statistics.rejected,
+            us(s.residual),
+            us(s.tangent),
+            us(s.factor),
+            us(s.solve),
+            us(s.other),
+        );
+        group.bench_function(BenchmarkId::from_parameter(elements), |bencher| {
+            bencher.iter_custom(|repeats| {
+                let begin = Instant::now();
+                whole();
+                begin.elapsed() / steps as u32 * repeats as u32
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pendulum, crossing);
 criterion_main!(benches);

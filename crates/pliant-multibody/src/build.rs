@@ -4,6 +4,7 @@ mod cables;
 mod joints;
 mod surfaces;
 
+use crate::contact_coupling::Contacts;
 use crate::document::{Arrays, row};
 use crate::dof_map::{CableMap, DofMap};
 use crate::error::ModelError;
@@ -27,7 +28,7 @@ use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{Array, CableSpec, ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
-use crate::winch::Winch;
+use crate::winch::{Winch, Wound};
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
 use pliant_dae::structure::{Storage, Structure};
@@ -109,7 +110,9 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let has_transit = forces.iter().any(|f| f.force.has_transit());
     let damped = |cable: &CableSpec| cable.rest_length.is_some() && cable.retardation_time != 0.0;
     let uses_rates = has_transit || spec.cables.iter().any(damped);
-    Ok(Model {
+    let mut contacts = Contacts::of_spec(spec, arrays, &map)?;
+    let weight = vector(spec.gravity).norm();
+    let mut model = Model {
         map,
         axial_energy: axial_energy + stiffness_scale(&surfaces),
         blocks: Blocks { cables, surfaces },
@@ -131,6 +134,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         freedoms: drafts.freedoms,
         integrals: drafts.integrals,
         joint_memory,
+        contacts: Contacts::default(),
         gravity: spec.gravity,
         structure,
         multipliers,
@@ -138,7 +142,13 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         constraint_scale,
         initial_q,
         initial_v,
-    })
+    };
+    let mass = model.masses(&model.initial_q).0;
+    let [kinetic, elastic, _] =
+        model.energy_of_bodies(&Wound::new(&model), &model.initial_q, &model.initial_v);
+    contacts.energy_floor = 1e-3 * mass * weight * contacts.radius + 1e-6 * (kinetic + elastic);
+    model.contacts = contacts;
+    Ok(model)
 }
 
 /// Positions, slopes and their velocities at the start.

@@ -2,6 +2,7 @@
 
 mod build;
 pub mod checkpoint;
+pub mod contact_coupling;
 pub mod document;
 pub mod dof_map;
 pub mod error;

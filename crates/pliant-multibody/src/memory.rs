@@ -1,5 +1,6 @@
 //! What a run remembers beside the state of the integrator: inputs, and integrals over its steps.
 
+use crate::contact_coupling::memory::ContactMemory;
 use crate::latches::Switch;
 use crate::model::{Model, PlacedJoint};
 use crate::winch::Pace;
@@ -64,6 +65,9 @@ pub struct Memory {
     pub(crate) pace: Pace,
     /// The same when the tangent was last asked for.
     pace_at_tangent: Pace,
+    /// What contact remembers, and what it did when the tangent was last asked for.
+    pub(crate) contact: ContactMemory,
+    contact_at_tangent: ContactMemory,
 }
 
 impl Memory {
@@ -86,6 +90,12 @@ impl Memory {
             ("integrals", model.integrals.len(), self.last.integrals.len()),
             ("rates", model.integrals.len(), self.last.rates.len()),
             ("numbers of joints", model.joint_memory, self.last.joints.len()),
+            ("contact", full(&self.contact.q), self.contact.q.len()),
+            (
+                "contact of the tangent",
+                full(&self.contact_at_tangent.q),
+                self.contact_at_tangent.q.len(),
+            ),
         ] {
             if expected != got {
                 return Err(Error::Length { what, expected, got });
@@ -122,6 +132,7 @@ impl Memory {
         self.held_at_tangent.clone_from(&self.held);
         self.pace_at_tangent.clone_from(&self.pace);
         self.last_at_tangent.clone_from(&self.last);
+        self.contact_at_tangent.clone_from(&self.contact);
     }
 
     /// The same with the inputs of the time when the kept factorisation was made.
@@ -130,6 +141,7 @@ impl Memory {
             held: self.held_at_tangent.clone(),
             pace: self.pace_at_tangent.clone(),
             last: self.last_at_tangent.clone(),
+            contact: self.contact_at_tangent.clone(),
             ..self.clone()
         }
     }

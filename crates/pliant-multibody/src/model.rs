@@ -1,5 +1,6 @@
 //! A model made ready to compute with; it never changes during a run.
 
+use crate::contact_coupling::Contacts;
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::forces::ForceElement;
@@ -174,6 +175,8 @@ pub struct Model {
     pub(crate) integrals: Vec<PlacedIntegral>,
     /// How many numbers joints remember.
     pub(crate) joint_memory: usize,
+    /// Who may touch whom.
+    pub(crate) contacts: Contacts,
     pub(crate) gravity: [f64; 3],
     pub(crate) structure: Structure,
     pub(crate) multipliers: usize,
@@ -336,7 +339,7 @@ impl Model {
         scale
     }
 
-    /// Number of elements.
+    /// Number of elements, those that bridge two cables of a block included.
     #[must_use]
     pub fn elements(&self) -> usize {
         self.blocks.iter().map(|(block, _)| block.element_count()).sum()

@@ -1,5 +1,6 @@
 //! What is read from a state after the solve: energies, momenta, strains, forces.
 
+use crate::contact_coupling::run::Search;
 use crate::joints::Joint;
 use crate::latches::Switch;
 use crate::model::{FacePlace, Model};
@@ -13,6 +14,15 @@ impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
     #[must_use]
     pub fn energy(&self, wound: &Wound, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut energy = self.energy_of_bodies(wound, q, v);
+        if !self.contacts.is_empty() {
+            energy[1] += self.contacts.energy(&mut Search::default(), q);
+        }
+        energy
+    }
+
+    /// The same without what is stored where bodies press on each other.
+    pub(crate) fn energy_of_bodies(&self, wound: &Wound, q: &[f64], v: &[f64]) -> [f64; 3] {
         let mut energy = [0.0; 3];
         for (block, _) in self.blocks.iter_as(wound) {
             energy[0] += block.kinetic_energy(v);

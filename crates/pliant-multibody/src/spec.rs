@@ -50,6 +50,9 @@ pub struct ModelSpec {
     pub latches: Vec<LatchSpec>,
     /// Loads.
     pub loads: Vec<LoadSpec>,
+    /// Pairs that may touch.
+    #[serde(default)]
+    pub contacts: Vec<ContactSpec>,
     /// Forces that depend on positions and velocities.
     #[serde(default)]
     pub forces: Vec<ForceSpec>,
@@ -118,6 +121,117 @@ pub struct CableSpec {
     pub retardation_time: f64,
     /// Rows (node, shared point): nodes whose position is a shared point's, (k, 2), whole numbers.
     pub shared: Array,
+    /// Radius for contact [m]: (1,) or (elements,); none where it touches nothing.
+    #[serde(default)]
+    pub radius: Option<Array>,
+}
+
+/// A pair that may touch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactSpec {
+    /// Name of the contact.
+    pub name: String,
+    /// Number of the cable whose zones carry the force.
+    pub slave: usize,
+    /// What it touches.
+    pub master: MasterSpec,
+    /// Stiffness k, force per penetration and length [N/m^2].
+    pub stiffness: f64,
+    /// Penetration at which the full stiffness is reached [m].
+    pub ramp: f64,
+    /// Damping c [s/m].
+    pub damping: f64,
+    /// Friction; none: none.
+    pub friction: Option<FrictionSpec>,
+    /// Of a cable with itself: points closer than this along it do not touch [m].
+    pub window: f64,
+    /// Neighbourhoods of joints where nothing touches, (k, 3): arc lengths on slave and master, and width [m].
+    pub apart: Array,
+}
+
+/// What a cable may touch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum MasterSpec {
+    /// A cable.
+    Line {
+        /// Its number.
+        cable: usize,
+    },
+    /// A shape at rest.
+    Shape {
+        /// Its centre [m].
+        origin: [f64; 3],
+        /// Its axes, one a row.
+        axes: [[f64; 3]; 3],
+        /// The shape.
+        shape: ShapeSpec,
+    },
+}
+
+/// A shape in its own frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ShapeSpec {
+    /// All below z = 0.
+    HalfSpace,
+    /// A ball.
+    Sphere {
+        /// Radius [m].
+        radius: f64,
+    },
+    /// A box.
+    Box {
+        /// Edges [m].
+        size: [f64; 3],
+    },
+    /// A cylinder along z.
+    Cylinder {
+        /// Radius [m].
+        radius: f64,
+        /// Length [m].
+        length: f64,
+    },
+    /// A cylinder along z with half balls on its ends.
+    Capsule {
+        /// Radius [m].
+        radius: f64,
+        /// Length between the centres of the balls [m].
+        length: f64,
+    },
+}
+
+impl From<&ShapeSpec> for pliant_contact::shapes::Shape {
+    fn from(spec: &ShapeSpec) -> Self {
+        match *spec {
+            ShapeSpec::HalfSpace => Self::HalfSpace,
+            ShapeSpec::Sphere { radius } => Self::Ball { radius },
+            ShapeSpec::Box { size } => Self::Box { half: size.map(|x| 0.5 * x) },
+            ShapeSpec::Cylinder { radius, length } => Self::Cylinder { radius, half: 0.5 * length },
+            ShapeSpec::Capsule { radius, length } => Self::Capsule { radius, half: 0.5 * length },
+        }
+    }
+}
+
+/// A law of friction, all coefficients given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
+#[allow(missing_docs)] // named as in pliant_contact::friction
+pub enum FrictionSpec {
+    /// LuGre.
+    Lugre {
+        mu_s: f64,
+        mu_d: f64,
+        v_s: f64,
+        alpha: f64,
+        sigma_0: f64,
+        sigma_1: f64,
+        sigma_2: f64,
+        scaled: bool,
+    },
+    /// Coulomb.
+    Coulomb { mu: f64, sigma_0: f64, sigma_1: f64 },
 }
 
 /// A shell or membrane. Nodal vectors come node by node, the position first; faces are the quadrilaterals, then the

@@ -1,11 +1,14 @@
 //! A run of a model: the [`Problem`] that the integrator sees.
 
+mod contact;
 mod forces;
 mod growth;
 mod lengths;
 mod time;
 mod window;
 
+use crate::contact_coupling::coupled::Coupled;
+use crate::contact_coupling::run::Search;
 use crate::error::ModelError;
 use crate::forces::Part;
 use crate::joints::Joint;
@@ -71,6 +74,11 @@ pub struct System {
     rates: Vec<f64>,
     /// Generalized forces at the next accepted point.
     forces: Vec<f64>,
+    /// Who touches whom, and the structure that follows it.
+    search: Search,
+    coupled: Coupled,
+    /// Time and energy of the last accepted point.
+    noted_energy: Option<(f64, [f64; 3])>,
 }
 
 impl System {
@@ -81,6 +89,7 @@ impl System {
         let workspaces = model.blocks.iter().map(|_| Workspace::default()).collect();
         let joints = Joints::new(&model, &[], &[]);
         let wound = Wound::new(&model);
+        let coupled = Coupled::new(&model.structure);
         Self {
             model,
             joints,
@@ -99,6 +108,9 @@ impl System {
             wound,
             rates: Vec::new(),
             forces: Vec::new(),
+            search: Search::default(),
+            coupled,
+            noted_energy: None,
         }
     }
 
@@ -123,6 +135,7 @@ impl System {
     pub fn set_memory(&mut self, memory: Memory) {
         self.joints = Joints::new(&self.model, &memory.history, &memory.redundant);
         self.memory = memory;
+        self.noted_energy = None;
         self.show_held();
     }
 
@@ -147,6 +160,7 @@ impl System {
         self.joints = Joints::new(&self.model, &self.memory.history, &[]);
         // Dissipation begins anew: velocities jump.
         self.memory.damping.clear();
+        self.noted_energy = None;
         self.memory.transit = None;
         Ok(true)
     }
@@ -276,6 +290,7 @@ impl System {
     /// Begins to gather work: notes the loads at the start.
     pub fn note_loads(&mut self, at: Point<'_>) {
         self.note_given(at);
+        self.begin_contact(at.t, at.q);
         if !self.model.has_work() {
             return;
         }
@@ -300,10 +315,21 @@ impl System {
         self.add_forces((at.t, at.q, at.v), 1.0, chosen, force);
     }
 
-    /// Kinetic, elastic and gravitational energy at a state [J].
+    /// Kinetic, elastic and gravitational energy at the last accepted point [J].
     #[must_use]
     pub fn energy(&self, t: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
-        let mut energy = self.model.energy(&self.wound, q, v);
+        if let Some((noted, energy)) = self.noted_energy
+            && noted == t
+        {
+            return energy;
+        }
+        let totals = &self.memory.contact.totals;
+        let apart = !totals.is_empty() && totals.iter().all(|f| f[..3] == [0.0; 3]);
+        let mut energy = if apart || self.model.contacts.is_empty() {
+            self.model.energy_of_bodies(&self.wound, q, v)
+        } else {
+            self.model.energy(&self.wound, q, v)
+        };
         energy[1] += self.model.stored_energy(self.moment(t), q, v);
         energy
     }
@@ -324,6 +350,7 @@ impl System {
     /// What damping adds to the inner forces.
     fn damping_forces(&mut self, t: f64, q: &[f64], v: &[f64], force: &mut [f64]) {
         self.add_forces((t, q, v), -1.0, |_, part| part == Part::Dissipated, force);
+        self.add_contact((t, q, v), contact::Part::Dissipated, force);
         let mut rest = std::mem::take(&mut self.scratch.rest);
         rest.resize(v.len(), 0.0);
         // What is left at rest, winches included, is elastic.
@@ -524,7 +551,7 @@ impl Problem for System {
     }
 
     fn structure(&self) -> &Structure {
-        &self.model.structure
+        &self.coupled.structure
     }
 
     fn scale(&self) -> &[f64] {
@@ -546,7 +573,8 @@ impl Problem for System {
     }
 
     fn has_damping(&self) -> bool {
-        self.model.blocks.iter().any(|(block, _)| block.has_damping())
+        !self.model.contacts.is_empty()
+            || self.model.blocks.iter().any(|(block, _)| block.has_damping())
             || self.model.forces.iter().any(|f| f.force.has_damping())
     }
 
@@ -578,6 +606,7 @@ impl Problem for System {
         }
         self.load_forces(at.t, at.q, -1.0, force);
         self.add_forces((at.t, at.q, at.v), -1.0, |_, _| true, force);
+        self.add_contact((at.t, at.q, at.v), contact::Part::All, force);
         let mut jacobian = std::mem::take(&mut self.scratch.jacobian);
         self.each_joint(at.t, at.q, |joint, now, x, equations| {
             joint.residual(now, x, &mut phi[equations.clone()]);
@@ -595,9 +624,11 @@ impl Problem for System {
         Ok(())
     }
 
-    fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+    fn tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut Vec<f64>) {
         // A failing function of time fails in the residual, too.
         let _ = self.refresh(at.t);
+        self.follow_contact(at.q);
+        values.resize(self.structure().values(), 0.0);
         self.memory.note_tangent();
         self.block_tangents(at, weights, values);
         self.mass_tangents(weights.mass, values);
@@ -605,6 +636,18 @@ impl Problem for System {
         self.joint_tangents(at, weights, values);
         self.load_tangents(at, weights.stiffness, values);
         self.force_tangents(at, weights, values);
+        self.contact_tangents(at, weights, values);
+    }
+
+    /// Lines must not have passed through each other, nor contact have made energy: a step that is long beside its
+    /// period can, while Newton's iteration converges well.
+    fn judge(
+        &mut self,
+        before: Point<'_>,
+        after: Point<'_>,
+        part: f64,
+    ) -> Result<(), EvaluationError> {
+        self.judge_contact(before, after, part)
     }
 
     fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]) {
@@ -696,6 +739,7 @@ impl Problem for System {
         }
         self.accept_given(before, after);
         self.remember(after);
+        self.accept_contact(after);
     }
 
     fn equilibrium(&mut self, at: Point<'_>) {

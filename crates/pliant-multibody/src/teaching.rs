@@ -39,6 +39,7 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
         latches: Vec::new(),
         loads: Vec::new(),
         forces: Vec::new(),
+        contacts: Vec::new(),
     };
     let model = Model::new(&spec, &[])?;
     for (what, array) in

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod errors;
+mod friction;
 mod kernels;
 mod run;
 mod system;
@@ -19,5 +20,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::PyIntegrator>()?;
     module.add_function(wrap_pyfunction!(kernels::cable_element, module)?)?;
     module.add_function(wrap_pyfunction!(kernels::surface_shape, module)?)?;
+    module.add_function(wrap_pyfunction!(friction::lugre_history, module)?)?;
     Ok(())
 }

@@ -147,7 +147,7 @@ impl Problem for Pendulum {
         phi[0] = 0.5 * (at.q[0] * at.q[0] + at.q[1] * at.q[1] - 1.0);
         Ok(())
     }
-    fn tangent(&mut self, at: Point<'_>, w: Weights, values: &mut [f64]) {
+    fn tangent(&mut self, at: Point<'_>, w: Weights, values: &mut Vec<f64>) {
         let d = w.mass + w.stiffness * at.lambda_[0];
         let (x, y) = (w.jacobian * at.q[0], w.jacobian * at.q[1]);
         values.copy_from_slice(&[d, 0.0, x, 0.0, d, y, x, y, 0.0]);
@@ -317,8 +317,8 @@ impl Problem for Truss {
         }
         Ok(())
     }
-    fn tangent(&mut self, at: Point<'_>, w: Weights, values: &mut [f64]) {
-        let mut rest = values;
+    fn tangent(&mut self, at: Point<'_>, w: Weights, values: &mut Vec<f64>) {
+        let mut rest = values.as_mut_slice();
         let mut next = |n: usize| {
             let (now, later) = std::mem::take(&mut rest).split_at_mut(n * n);
             rest = later;

@@ -221,7 +221,7 @@ impl System {
         self.memory.last = Last { t: at.t, angles, integrals, rates, joints };
     }
 
-    /// Appends what forces, drives and freedoms show at the last accepted point.
+    /// Appends what forces, drives, freedoms, winches and contacts show at the last accepted point.
     pub fn outputs(&self, at: Point<'_>, out: &mut Vec<f64>) {
         let now = self.moment(at.t);
         self.model.outputs(now, at.q, at.v, out);
@@ -239,6 +239,7 @@ impl System {
         }
         out.extend(&self.memory.last.angles);
         out.extend(self.wound.lengths.iter().flatten());
+        self.show_contact(out);
     }
 
     /// Drives and their numbers.

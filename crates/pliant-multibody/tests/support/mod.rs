@@ -2,8 +2,8 @@
 #![allow(dead_code)]
 
 use pliant_multibody::spec::{
-    Array, BendingSpec, CableSpec, IntegrationSpec, JointSpec, ModelSpec, PointSpec, StrainSpec,
-    VERSION,
+    Array, BendingSpec, CableSpec, ContactSpec, FrictionSpec, IntegrationSpec, JointSpec,
+    MasterSpec, ModelSpec, PointSpec, StrainSpec, VERSION,
 };
 use std::f64::consts::PI;
 
@@ -31,6 +31,7 @@ pub fn straight_cable(name: &str, elements: usize, length: f64) -> CableSpec {
         tension_only: false,
         retardation_time: 0.0,
         shared: none(),
+        radius: Some(Array::Inline(vec![5e-3])),
     }
 }
 
@@ -49,6 +50,7 @@ pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec
         latches: Vec::new(),
         loads: Vec::new(),
         forces: Vec::new(),
+        contacts: Vec::new(),
     }
 }
 
@@ -60,4 +62,45 @@ pub fn pendulum(elements: usize) -> ModelSpec {
         b: PointSpec::World { world: [0.0; 3] },
     };
     document([0.0, -9.81, 0.0], vec![straight_cable("rope", elements, 1.0)], vec![pin])
+}
+
+/// A free cable of 1 m thrown at 1 m/s across another one that is held at both ends, with LuGre friction; 5 mm radius,
+/// E = 10 MPa, 40 mm apart at the start.
+pub fn thrown_across(elements: usize) -> ModelSpec {
+    let low = CableSpec { retardation_time: 1e-3, ..straight_cable("low", elements, 1.0) };
+    let mut high = CableSpec { retardation_time: 1e-3, ..straight_cable("high", elements, 1.0) };
+    let l = 1.0 / elements as f64;
+    let rows =
+        |row: &dyn Fn(usize) -> [f64; 3]| Array::Inline((0..=elements).flat_map(row).collect());
+    high.r = rows(&|i| [0.47, l * i as f64 - 0.52, 0.05]);
+    high.t = rows(&|_| [0.0, 1.0, 0.0]);
+    high.v_r = rows(&|_| [0.3, 0.0, -1.0]);
+    let end = |name: &str, element: usize, xi: f64| JointSpec::Pin {
+        name: name.to_owned(),
+        a: PointSpec::Cable { cable: 0, element, xi },
+        b: PointSpec::World { world: [xi, 0.0, 0.0] },
+    };
+    let pins = vec![end("pin1", 0, 0.0), end("pin2", elements - 1, 1.0)];
+    let mut spec = document([0.0, 0.0, -9.81], vec![low, high], pins);
+    spec.contacts.push(ContactSpec {
+        name: "contact1".to_owned(),
+        slave: 1,
+        master: MasterSpec::Line { cable: 0 },
+        stiffness: 3e6,
+        ramp: 2.5e-5,
+        damping: 3.0,
+        friction: Some(FrictionSpec::Lugre {
+            mu_s: 0.5,
+            mu_d: 0.4,
+            v_s: 1e-2,
+            alpha: 2.0,
+            sigma_0: 1e5,
+            sigma_1: 20.0,
+            sigma_2: 0.0,
+            scaled: true,
+        }),
+        window: 0.0,
+        apart: Array::Inline(Vec::new()),
+    });
+    spec
 }

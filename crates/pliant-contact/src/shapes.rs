@@ -1,0 +1,197 @@
+//! Shapes: signed distance of a point, below zero inside, with its gradient and Hessian. Axis z, centre at the origin of
+//! the shape's own frame.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// A shape in its own frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// All below z = 0.
+    HalfSpace,
+    /// A ball.
+    Ball {
+        /// Radius [m].
+        radius: f64,
+    },
+    /// A box.
+    Box {
+        /// Half of its edges [m].
+        half: [f64; 3],
+    },
+    /// A cylinder with flat ends.
+    Cylinder {
+        /// Radius [m].
+        radius: f64,
+        /// Half of its length [m].
+        half: f64,
+    },
+    /// A cylinder with half balls on its ends.
+    Capsule {
+        /// Radius [m].
+        radius: f64,
+        /// Half of the distance between the balls' centres [m].
+        half: f64,
+    },
+}
+
+/// Signed distance, its gradient (a unit vector, outwards) and its Hessian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// Signed distance [m].
+    pub value: f64,
+    /// Gradient.
+    pub normal: Vector3<f64>,
+    /// Hessian [1/m].
+    pub hessian: Matrix3<f64>,
+}
+
+/// Distance to a point d away from `q`, less `radius`: the Hessian is `(E - n n^T)/|d|` in the directions of `d`'s space.
+fn round(d: Vector3<f64>, space: Matrix3<f64>, radius: f64) -> Distance {
+    let l = d.norm();
+    let n = if l > 0.0 { d / l } else { Vector3::x() };
+    let hessian = if l > 0.0 { (space - n * n.transpose()) / l } else { Matrix3::zeros() };
+    Distance { value: l - radius, normal: n, hessian }
+}
+
+impl Shape {
+    /// Signed distance of `q`, in the shape's frame.
+    #[must_use]
+    pub fn distance(&self, q: Vector3<f64>) -> Distance {
+        let across = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
+        match *self {
+            Self::HalfSpace => {
+                Distance { value: q.z, normal: Vector3::z(), hessian: Matrix3::zeros() }
+            }
+            Self::Ball { radius } => round(q, Matrix3::identity(), radius),
+            Self::Capsule { radius, half } => {
+                let beyond = q.z - q.z.clamp(-half, half);
+                let space = if beyond == 0.0 { across } else { Matrix3::identity() };
+                round(Vector3::new(q.x, q.y, beyond), space, radius)
+            }
+            Self::Box { half } => {
+                let excess = Vector3::from_fn(|k, _| q[k].abs() - half[k]);
+                let sign = q.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
+                corner(excess, |k| Vector3::ith(k, sign[k]), |_| Matrix3::zeros())
+            }
+            Self::Cylinder { radius, half } => {
+                let flat = round(Vector3::new(q.x, q.y, 0.0), across, radius);
+                let top = Vector3::new(0.0, 0.0, if q.z < 0.0 { -1.0 } else { 1.0 });
+                let excess = Vector3::new(flat.value, q.z.abs() - half, f64::NEG_INFINITY);
+                let bend = |k| if k == 0 { flat.hessian } else { Matrix3::zeros() };
+                corner(excess, |k| if k == 0 { flat.normal } else { top }, bend)
+            }
+        }
+    }
+
+    /// How far outside of its surface, less than zero for inside, the distance has its kinks: infinitely far inside a
+    /// plane.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Self::HalfSpace => f64::INFINITY,
+            Self::Ball { radius } | Self::Capsule { radius, .. } => radius,
+            Self::Box { .. } | Self::Cylinder { .. } => 0.0,
+        }
+    }
+
+    /// Half of the edges of its box in its own frame; infinite for the half-space.
+    #[must_use]
+    pub fn half_extent(&self) -> [f64; 3] {
+        match *self {
+            Self::HalfSpace => [f64::INFINITY; 3],
+            Self::Ball { radius } => [radius; 3],
+            Self::Box { half } => half,
+            Self::Cylinder { radius, half } => [radius, radius, half],
+            Self::Capsule { radius, half } => [radius, radius, half + radius],
+        }
+    }
+}
+
+/// Distance to what lies behind several surfaces at right angles, from the signed distances, normals and Hessians of
+/// each: to the highest from inside, to their edge from outside.
+fn corner(
+    excess: Vector3<f64>,
+    normal: impl Fn(usize) -> Vector3<f64>,
+    hessian: impl Fn(usize) -> Matrix3<f64>,
+) -> Distance {
+    let out: Vec<usize> = (0..3).filter(|&k| excess[k] > 0.0).collect();
+    if let [] | [_] = out[..] {
+        let k = excess.imax();
+        return Distance { value: excess[k], normal: normal(k), hessian: hessian(k) };
+    }
+    let d: Vector3<f64> = out.iter().map(|&k| normal(k) * excess[k]).sum();
+    let space: Matrix3<f64> = out.iter().map(|&k| normal(k) * normal(k).transpose()).sum();
+    let mut distance = round(d, space, 0.0);
+    for &k in &out {
+        distance.hessian += hessian(k) * (excess[k] / distance.value);
+    }
+    distance
+}
+
+/// A shape that stands somewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// The shape.
+    pub shape: Shape,
+    /// Where its origin is [m].
+    pub origin: Vector3<f64>,
+    /// Its axes, one a column.
+    pub axes: Matrix3<f64>,
+}
+
+impl Placed {
+    /// Signed distance of a point of the world.
+    #[must_use]
+    pub fn distance(&self, q: Vector3<f64>) -> Distance {
+        let own = self.shape.distance(self.axes.transpose() * (q - self.origin));
+        Distance {
+            value: own.value,
+            normal: self.axes * own.normal,
+            hessian: self.axes * own.hessian * self.axes.transpose(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn shapes() -> Vec<Shape> {
+        vec![
+            Shape::HalfSpace,
+            Shape::Ball { radius: 0.4 },
+            Shape::Box { half: [0.3, 0.5, 0.2] },
+            Shape::Cylinder { radius: 0.3, half: 0.4 },
+            Shape::Capsule { radius: 0.25, half: 0.3 },
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn gradient_and_hessian_are_those_of_the_distance(q in prop::array::uniform3(-1.0..1.0_f64)) {
+            let q = Vector3::from(q);
+            for shape in shapes() {
+                let here = shape.distance(q);
+                prop_assert!((here.normal.norm() - 1.0).abs() < 1e-12);
+                let e = 1e-5;
+                for k in 0..3 {
+                    let step = Vector3::ith(k, e);
+                    let (up, down) = (shape.distance(q + step), shape.distance(q - step));
+                    // Kinks inside are where the nearest surface changes.
+                    if (up.normal - down.normal).norm() > 1e-2 {
+                        continue;
+                    }
+                    let slope = (up.value - down.value) / (2.0 * e);
+                    // Second differences of distances of order one: e^2 over the least radius cubed.
+                    prop_assert!((slope - here.normal[k]).abs() < 1e-5, "{shape:?} {q}");
+                    let bend = (up.normal - down.normal) / (2.0 * e);
+                    let size = 1.0 + here.hessian.norm().powi(3);
+                    if size < 1e4 {
+                        prop_assert!((bend - here.hessian.column(k)).norm() < 1e-4 * size, "{shape:?} {q}");
+                    }
+                }
+            }
+        }
+    }
+}

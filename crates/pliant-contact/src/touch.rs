@@ -1,0 +1,314 @@
+//! Where a piece of a line touches another line or a shape, and the points that carry the force there.
+
+use crate::curve::{Piece, sign_changes};
+use crate::point::{Blocks, Laws, Motion, Place, Slide, Verge};
+use crate::shapes::Placed;
+use crate::zones::{Bounds, zones};
+use nalgebra::{Matrix3, Vector3};
+
+/// Gauss points of a zone, and their weights, on [0, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+/// What a piece may touch.
+#[derive(Clone, Copy, Debug)]
+pub enum Master<'a> {
+    /// A piece of a line, and whether nothing follows at its first and its second end: such ends are round.
+    Line(&'a Piece, [bool; 2]),
+    /// A shape at rest.
+    Shape(&'a Placed),
+}
+
+/// A point in contact, and where it lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Its geometry.
+    pub place: Place,
+    /// xi on the slave piece.
+    pub xi: f64,
+    /// xi on the master piece; 0 on shapes.
+    pub eta: f64,
+    /// Where it lies between both ends of its zone, 0 to 1.
+    pub part: f64,
+}
+
+/// A zone of the slave, or its free end, with the points that carry the force.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// The zone, between these xi of the slave; a point for a free end.
+    pub zone: (f64, f64),
+    /// Its ends where the gap vanishes: they move with the lines, and the points with them.
+    pub verges: [Option<Verge>; 2],
+    points: [Point; 3],
+    count: usize,
+}
+
+impl Patch {
+    /// The points: three of a zone, one of a free end.
+    #[must_use]
+    pub fn points(&self) -> &[Point] {
+        &self.points[..self.count]
+    }
+
+    /// Takes out the points that `wanted` says no to: they stand for no length. Returns whether any is left.
+    pub fn keep(&mut self, mut wanted: impl FnMut(&Point) -> bool) -> bool {
+        let mut left = false;
+        for point in &mut self.points[..self.count] {
+            if wanted(point) {
+                left = true;
+            } else {
+                point.place.weight = 0.0;
+            }
+        }
+        left
+    }
+
+    /// Adds the derivatives of the forces at its points, as [`Place::linearise`] and [`Place::add_tangent`] explain;
+    /// `motion` is that of a point, by its number.
+    pub fn add_tangent<'m>(
+        &self,
+        laws: &Laws,
+        motion: impl Fn(usize) -> Motion<'m>,
+        factors: (f64, f64),
+        symmetric: bool,
+        out: &mut Blocks,
+    ) {
+        let width = self.zone.1 - self.zone.0;
+        let moves = factors.0 != 0.0 && self.verges.iter().any(Option::is_some);
+        let (mut first, mut last) = ([Vector3::zeros(); 8], [Vector3::zeros(); 8]);
+        for (number, Point { place, part, .. }) in self.points().iter().enumerate() {
+            let tangent = place.linearise(laws, &motion(number), factors, symmetric);
+            place.add_tangent(&tangent, out);
+            if moves {
+                place.add_verge(&tangent, (*part, width), [&mut first, &mut last]);
+            }
+        }
+        for (verge, by_end) in self.verges.iter().zip([&first, &last]) {
+            if let Some(verge) = verge {
+                verge.add_tangent(by_end, factors.0, symmetric, out);
+            }
+        }
+    }
+
+    /// Whether it is that of a free end.
+    #[must_use]
+    pub fn is_end(&self) -> bool {
+        self.count == 1
+    }
+}
+
+impl Master<'_> {
+    /// The point of the slave at `xi`, its foot, and xi of the foot.
+    #[must_use]
+    pub fn face(&self, slave: &Piece, xi: f64, weight: f64) -> (Place, f64) {
+        let q = slave.at(xi);
+        let mut alpha = [0.0; 8];
+        let own = slave.weights(xi);
+        for k in 0..4 {
+            alpha[4 + k] = -own[k];
+        }
+        let (along, along_weights) = (slave.slope(xi), slave.weight_slopes(xi));
+        match self {
+            Self::Shape(shape) => {
+                let distance = shape.distance(q);
+                let place = Place {
+                    alpha,
+                    gap: distance.value - slave.radius(),
+                    // The slave's way to the shape; d is minus what the distance measures.
+                    n: -distance.normal,
+                    hessian: distance.hessian,
+                    slide: None,
+                    along,
+                    along_weights,
+                    weight,
+                };
+                (place, 0.0)
+            }
+            Self::Line(master, _) => {
+                let eta = master.nearest(q);
+                alpha[..4].copy_from_slice(&master.weights(eta));
+                let d = master.at(eta) - q;
+                let distance = d.norm();
+                let n = if distance > 0.0 { d / distance } else { Vector3::z() };
+                let slope = master.slope(eta);
+                let c = slope.norm_squared() + d.dot(&master.bend(eta));
+                // At an end the foot stays; where c vanishes it would slide without bound.
+                let inside = eta > 0.0 && eta < 1.0 && c > 1e-3 * slope.norm_squared();
+                let weights = master.weight_slopes(eta);
+                let place = Place {
+                    alpha,
+                    gap: distance - slave.radius() - master.radius(),
+                    n,
+                    hessian: (Matrix3::identity() - n * n.transpose())
+                        / distance.max(f64::MIN_POSITIVE),
+                    slide: inside.then_some(Slide { slope, weights, c, d }),
+                    along,
+                    along_weights,
+                    weight,
+                };
+                (place, eta)
+            }
+        }
+    }
+
+    /// Distance of the surfaces at a point of the slave [m].
+    #[must_use]
+    pub fn gap(&self, slave: &Piece, xi: f64) -> f64 {
+        let q = slave.at(xi);
+        match self {
+            Self::Shape(shape) => shape.distance(q).value - slave.radius(),
+            Self::Line(master, _) => {
+                (master.at(master.nearest(q)) - q).norm() - slave.radius() - master.radius()
+            }
+        }
+    }
+
+    /// Whether the two are certainly apart by more than `margin`.
+    fn is_far(&self, slave: &Piece, margin: f64) -> bool {
+        let q = slave.at(0.5);
+        let half = 0.5 * slave.speed_bound() + slave.radius() + margin;
+        match self {
+            Self::Shape(shape) => shape.distance(q).value > half,
+            Self::Line(master, _) => {
+                let reach = half + 0.5 * master.speed_bound() + master.radius();
+                (master.at(0.5) - q).norm_squared() > reach * reach
+            }
+        }
+    }
+
+    /// Whether the foot of a point lies on this piece, not on the neighbours of it: inside, or at a round end.
+    fn owns(&self, slave: &Piece, xi: f64) -> bool {
+        match self {
+            Self::Shape(_) => true,
+            Self::Line(master, round) => {
+                let eta = master.nearest(slave.at(xi));
+                (eta > 0.0 || round[0]) && (eta < 1.0 || round[1])
+            }
+        }
+    }
+
+    /// Bernstein coefficients along the slave of the distances from the planes normal to the master through those of
+    /// its ends that something follows at, above zero on the master's side.
+    fn planes(&self, slave: &Piece) -> [Option<[f64; 4]>; 2] {
+        let Self::Line(master, round) = self else { return [None; 2] };
+        let b = slave.control();
+        let x = master.vectors();
+        [0, 1].map(|end| {
+            let sign = if end == 0 { 1.0 } else { -1.0 };
+            (!round[end]).then(|| b.map(|b| sign * (b - x[2 * end]).dot(&x[2 * end + 1])))
+        })
+    }
+
+    /// The parts of `span` that `wanted` says yes to in their middle, where the slave may cross the planes.
+    fn cut(
+        planes: &[Option<[f64; 4]>; 2],
+        span: (f64, f64),
+        wanted: impl Fn(f64) -> bool,
+        out: &mut Vec<(f64, f64)>,
+    ) {
+        let mut cuts = vec![span.0];
+        for plane in planes.iter().flatten() {
+            cuts.extend(sign_changes(*plane).into_iter().filter(|&x| span.0 < x && x < span.1));
+        }
+        cuts.push(span.1);
+        cuts.sort_unstable_by(f64::total_cmp);
+        let spans = cuts.windows(2).map(|c| (c[0], c[1]));
+        out.extend(spans.filter(|&(a, c)| c > a && wanted(0.5 * (a + c))));
+    }
+
+    fn bounds(&self, slave: &Piece) -> Bounds {
+        let (reach, least) = match self {
+            Self::Shape(shape) => (slave.radius() + shape.shape.reach(), slave.radius()),
+            Self::Line(master, _) => {
+                (slave.radius() + master.radius(), slave.radius().min(master.radius()))
+            }
+        };
+        Bounds {
+            speed: slave.speed_bound(),
+            bend: slave.bend_bound(),
+            reach,
+            floor: 1e-3 * least,
+            single: 0.25 * least,
+        }
+    }
+
+    /// All zones along the slave piece, in order: where its surface is inside the other, and the foot on this piece of
+    /// the other.
+    #[must_use]
+    pub fn zones(&self, slave: &Piece) -> Vec<(f64, f64)> {
+        if self.is_far(slave, 0.0) {
+            return Vec::new();
+        }
+        let bounds = self.bounds(slave);
+        let gap = |xi| self.gap(slave, xi);
+        let planes = self.planes(slave);
+        let mut spans = Vec::new();
+        let mut found = Vec::new();
+        let tame = match self {
+            Self::Shape(_) => true,
+            Self::Line(master, _) => master.is_tame(slave.radius() + master.radius()),
+        };
+        if !tame {
+            // The planes do not say whose a foot is: all of the slave is searched, and the feet decide.
+            for zone in zones(gap, (0.0, 1.0), &bounds) {
+                Self::cut(&planes, zone, |xi| self.owns(slave, xi), &mut found);
+            }
+            return found;
+        }
+        if planes.iter().flatten().any(|p| p.iter().all(|&p| p <= 0.0)) {
+            return found;
+        }
+        if planes.iter().flatten().all(|p| p.iter().all(|&p| p >= 0.0)) {
+            return zones(gap, (0.0, 1.0), &bounds);
+        }
+        let inside = |x: f64| {
+            let y = 1.0 - x;
+            let w = [y * y * y, 3.0 * y * y * x, 3.0 * y * x * x, x * x * x];
+            let value = |p: &[f64; 4]| (0..4).map(|k| w[k] * p[k]).sum::<f64>();
+            planes.iter().flatten().all(|p| value(p) > 0.0)
+        };
+        Self::cut(&planes, (0.0, 1.0), inside, &mut spans);
+        for span in spans {
+            found.extend(zones(gap, span, &bounds));
+        }
+        found
+    }
+
+    /// The zones with the points that carry the force between the two: three in each zone, and one at each free end of
+    /// the slave. That counts as a length of one radius, for a zone under an end that meets the other head-on has
+    /// hardly any.
+    pub fn touch(&self, slave: &Piece, free: [bool; 2], found: &mut Vec<Patch>) {
+        if self.is_far(slave, 0.0) {
+            return;
+        }
+        for zone in self.zones(slave) {
+            let width = zone.1 - zone.0;
+            let points = GAUSS.map(|(part, w)| {
+                let xi = zone.0 + part * width;
+                let (place, eta) = self.face(slave, xi, w * width * slave.length());
+                Point { place, xi, eta, part }
+            });
+            let verges = [zone.0, zone.1].map(|xi| {
+                let (place, _) = self.face(slave, xi, 0.0);
+                (place.gap.abs() < VANISHING * slave.radius()).then(|| Verge::at(&place)).flatten()
+            });
+            found.push(Patch { zone, verges, points, count: 3 });
+        }
+        for xi in [0.0, 1.0] {
+            if !free[xi as usize] || !self.owns(slave, xi) {
+                continue;
+            }
+            let (place, eta) = self.face(slave, xi, slave.radius());
+            if place.gap < 0.0 {
+                let points = [Point { place, xi, eta, part: 0.5 }; 3];
+                found.push(Patch { zone: (xi, xi), verges: [None; 2], points, count: 1 });
+            }
+        }
+    }
+}
+
+/// Gap at the end of a zone, in radii, that is zero but for rounding.
+const VANISHING: f64 = 1e-6;

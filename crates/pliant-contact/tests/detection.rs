@@ -1,0 +1,364 @@
+//! Zones against brute force and closed forms; forces against closed forms and differences.
+
+#![allow(clippy::unwrap_used)]
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use pliant_contact::curve::{Piece, sign_changes};
+use pliant_contact::friction::{Coulomb, Friction, LuGre};
+use pliant_contact::normal::Normal;
+use pliant_contact::point::{Blocks, Laws, Motion};
+use pliant_contact::shapes::{Placed, Shape};
+use pliant_contact::touch::{Master, Patch};
+use proptest::prelude::*;
+
+fn piece(a: Vector3<f64>, t: Vector3<f64>, b: Vector3<f64>, u: Vector3<f64>, radius: f64) -> Piece {
+    Piece::new([a, t, b, u], 1.0, radius)
+}
+
+/// A straight piece of unit slope.
+fn straight(middle: Vector3<f64>, along: Vector3<f64>, radius: f64) -> Piece {
+    piece(middle - along * 0.5, along, middle + along * 0.5, along, radius)
+}
+
+fn vectors() -> impl Strategy<Value = Vector3<f64>> {
+    prop::array::uniform3(-1.0..1.0_f64).prop_map(Vector3::from)
+}
+
+prop_compose! {
+    /// A bent piece about a metre long through the neighbourhood of the origin.
+    fn bent(radius: f64)(dir in vectors(), at in vectors(), bend in vectors(), twist in vectors()) -> Piece {
+        let along = if dir.norm() > 0.1 { dir.normalize() } else { Vector3::x() };
+        let (a, b) = (at * 0.2 - along * 0.5, at * 0.2 + along * 0.5);
+        piece(a, along + bend * 0.8, b, along + twist * 0.8, radius)
+    }
+}
+
+/// Least distance from a point to a piece, on a fine grid refined by golden section.
+fn brute_distance(master: &Piece, q: Vector3<f64>) -> f64 {
+    let d = |t: f64| (master.at(t) - q).norm();
+    let n = 200;
+    let best =
+        (0..=n).min_by(|&i, &j| d(i as f64 / n as f64).total_cmp(&d(j as f64 / n as f64))).unwrap();
+    let (mut a, mut b) =
+        ((best as f64 - 1.0).max(0.0) / n as f64, (best as f64 + 1.0).min(n as f64) / n as f64);
+    for _ in 0..60 {
+        let (c, e) = (b - 0.618 * (b - a), a + 0.618 * (b - a));
+        if d(c) < d(e) { b = e } else { a = c }
+    }
+    d(0.5 * (a + b))
+}
+
+proptest! {
+    #[test]
+    fn no_zone_is_missed(slave in bent(0.03), master in bent(0.03)) {
+        let zones = Master::Line(&master, [true, true]).zones(&slave);
+        for i in 0..=400 {
+            let xi = i as f64 / 400.0;
+            let gap = brute_distance(&master, slave.at(xi)) - 0.06;
+            let inside = zones.iter().any(|&(a, b)| a <= xi && xi <= b);
+            if gap.abs() > 1e-6 {
+                prop_assert_eq!(inside, gap < 0.0, "xi = {}, gap = {}, zones {:?}", xi, gap, zones);
+            }
+        }
+    }
+
+    #[test]
+    fn no_zone_on_a_shape_is_missed(slave in bent(0.03), which in 0..5_usize, origin in vectors(), turn in vectors()) {
+        let shape = [
+            Shape::HalfSpace,
+            Shape::Ball { radius: 0.2 },
+            Shape::Box { half: [0.2, 0.1, 0.15] },
+            Shape::Cylinder { radius: 0.1, half: 0.3 },
+            Shape::Capsule { radius: 0.1, half: 0.2 },
+        ][which].clone();
+        let axes = *Rotation3::from_scaled_axis(turn * 3.0).matrix();
+        let placed = Placed { shape, origin: origin * 0.3, axes };
+        let zones = Master::Shape(&placed).zones(&slave);
+        for i in 0..=2000 {
+            let xi = i as f64 / 2000.0;
+            let gap = placed.distance(slave.at(xi)).value - 0.03;
+            let inside = zones.iter().any(|&(a, b)| a <= xi && xi <= b);
+            // Grazing contact shorter than the search's floor, 1e-3 R, may be left out.
+            if gap.abs() > 1e-5 {
+                prop_assert_eq!(inside, gap < 0.0, "xi = {}, gap = {}, zones {:?}", xi, gap, zones);
+            }
+        }
+    }
+
+    #[test]
+    fn neighbouring_pieces_share_the_slave(slave in bent(0.03), a in bent(0.03), next in vectors(), slope in vectors()) {
+        // A second piece continues the first with the same slope: every point of the slave has its foot on one of them.
+        let [_, _, mid, on] = *a.vectors();
+        let b = piece(mid, on, mid + on + next * 0.3, on + slope * 0.5, 0.03);
+        let first = Master::Line(&a, [true, false]).zones(&slave);
+        let second = Master::Line(&b, [false, true]).zones(&slave);
+        for i in 1..300 {
+            let xi = i as f64 / 300.0;
+            let count = first.iter().chain(&second).filter(|&&(a, b)| a < xi && xi < b).count();
+            let (to_a, to_b) = (brute_distance(&a, slave.at(xi)), brute_distance(&b, slave.at(xi)));
+            let (least, most) = (to_a.min(to_b), to_a.max(to_b));
+            // Where both are near, a sharp bend may put two feet on them, and the plane between them parts the zone.
+            let parted = ((slave.at(xi) - mid).dot(&a.vectors()[3])).abs() < 1e-6;
+            if (least - 0.06).abs() > 1e-6 && !parted {
+                if least > 0.06 {
+                    prop_assert_eq!(count, 0, "xi = {}", xi);
+                } else if most > 0.1 {
+                    prop_assert_eq!(count, 1, "xi = {}", xi);
+                } else {
+                    prop_assert!(count >= 1, "xi = {}", xi);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sign_changes_are_all_found(b in prop::array::uniform4(-1.0..1.0_f64)) {
+        let value = |x: f64| {
+            let y = 1.0 - x;
+            y * y * y * b[0] + 3.0 * y * y * x * b[1] + 3.0 * y * x * x * b[2] + x * x * x * b[3]
+        };
+        let roots = sign_changes(b);
+        let mut sign = value(0.0) > 0.0;
+        let mut changes = Vec::new();
+        for i in 1..=2000 {
+            let x = i as f64 / 2000.0;
+            if (value(x) > 0.0) != sign {
+                sign = !sign;
+                changes.push(x);
+            }
+        }
+        prop_assert!(roots.len() >= changes.len());
+        for x in changes {
+            prop_assert!(roots.iter().any(|r| *r <= x + 1e-9 && x - 1.0 / 2000.0 <= *r + 1e-9), "{x} {roots:?}");
+        }
+    }
+}
+
+fn normal_force(slave: &Piece, master: &Master<'_>, k: f64) -> (f64, Vec<Patch>) {
+    // A ramp so short that the law is linear.
+    let law = Normal { k, d_0: 1e-9, c: 0.0 };
+    let mut found = Vec::new();
+    master.touch(slave, [false, false], &mut found);
+    let points = found.iter().flat_map(Patch::points);
+    let force = points.map(|p| p.place.weight * law.elastic(-p.place.gap).0).sum();
+    (force, found)
+}
+
+#[test]
+fn crossing_lines_press_like_three_halves() {
+    // Exact: the integral of k (2R - sqrt(s^2 sin^2 + h^2)) over the zone, and its closed form for small depths.
+    for (degrees, delta, exact) in [
+        (90.0, 1e-5, 0.026_619_957_658_786_556),
+        (90.0, 3e-4, 4.145_108_331_060_46),
+        (30.0, 1e-4, 1.656_761_078_169_396_7),
+        (10.0, 3e-4, 23.870_727_506_343_75),
+    ] {
+        let r = 1e-3;
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let master = straight(Vector3::zeros(), Vector3::x(), r);
+        let slave = straight(Vector3::z() * (2.0 * r - delta), Vector3::new(cos, sin, 0.0), r);
+        let (force, found) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e7);
+        assert_eq!(found.len(), 1);
+        // Three Gauss points leave 4e-7 to 5e-4; the ramp 1e-4 of the depth at 1e-5.
+        assert!(
+            (force / exact - 1.0).abs() < 1e-3,
+            "{degrees} deg, {delta}: {force}, expected {exact}"
+        );
+    }
+}
+
+#[test]
+fn a_sine_over_a_line_has_eleven_zones() {
+    let elements = 40;
+    let radius = 3e-3;
+    let slope = |x: f64| {
+        Vector3::new(1.0, 0.5 * std::f64::consts::PI * (10.0 * std::f64::consts::PI * x).cos(), 0.0)
+    };
+    let at = |x: f64| Vector3::new(x, 0.05 * (10.0 * std::f64::consts::PI * x).sin(), 4e-3);
+    let master = straight(Vector3::new(0.5, 0.0, 0.0), Vector3::x(), radius);
+    let mut zones: Vec<(f64, f64)> = Vec::new();
+    for e in 0..elements {
+        let h = 1.0 / elements as f64;
+        let (a, b) = (e as f64 * h, (e + 1) as f64 * h);
+        let slave = Piece::new([at(a), slope(a), at(b), slope(b)], h, radius);
+        for (p, q) in Master::Line(&master, [true, true]).zones(&slave) {
+            let (p, q) = (slave.at(p).x, slave.at(q).x);
+            match zones.last_mut() {
+                Some(last) if p - last.1 < 1e-9 => last.1 = q,
+                _ => zones.push((p, q)),
+            }
+        }
+    }
+    assert_eq!(zones.len(), 11);
+    let width = zones[5].1 - zones[5].0;
+    // Cubic elements of a fortieth bend the sine by less than a per mille.
+    assert!((width / 0.005_701_719_943_679_198 - 1.0).abs() < 1e-3, "{width}");
+}
+
+#[test]
+fn parallel_lines_press_evenly() {
+    let master = straight(Vector3::zeros(), Vector3::x(), 1e-2);
+    let slave = straight(Vector3::new(0.3, 0.0, 0.019), Vector3::x(), 1e-2);
+    // They overlap from -0.2 to 0.5, 0.7 long, and are 1 mm deep; the linear law has no error in them.
+    let (force, _) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e6);
+    assert!((force - 1e6 * 1e-3 * 0.7).abs() < 1e-3, "{force}");
+}
+
+fn laws() -> Vec<Laws> {
+    let normal = Normal { k: 2e5, d_0: 1e-3, c: 0.7 };
+    let lugre = LuGre {
+        mu_s: 0.5,
+        mu_d: 0.3,
+        v_s: 1e-2,
+        alpha: 2.0,
+        sigma_0: 400.0,
+        sigma_1: 0.7,
+        sigma_2: 0.1,
+        scaled: true,
+        v_d: 0.05,
+    };
+    let coulomb = Coulomb { mu: 0.4, sigma_0: 300.0, sigma_1: 0.1 };
+    [None, Some(Friction::LuGre(lugre)), Some(Friction::Coulomb(coulomb))]
+        .into_iter()
+        .map(|friction| Laws { normal, friction })
+        .collect()
+}
+
+/// Force of all points on the eight vectors, bristles at rest at the beginning.
+fn force_of(
+    slave: &Piece,
+    master: &Piece,
+    laws: &Laws,
+    v: &[Vector3<f64>; 8],
+    moved: &[Vector3<f64>; 8],
+) -> [Vector3<f64>; 8] {
+    let mut out = [Vector3::zeros(); 8];
+    let mut found = Vec::new();
+    Master::Line(master, [true, true]).touch(slave, [false, true], &mut found);
+    for point in found.iter().flat_map(Patch::points) {
+        let motion = Motion { v, moved, h: 1e-2, z: Vector3::zeros() };
+        point.place.add_force(point.place.force(laws, &motion).total, &mut out);
+    }
+    out
+}
+
+/// Derivatives of [`force_of`], by the vectors and by their velocities.
+fn tangents_of(
+    slave: &Piece,
+    master: &Piece,
+    laws: &Laws,
+    v: &[Vector3<f64>; 8],
+    moved: &[Vector3<f64>; 8],
+    symmetric: bool,
+) -> [Blocks; 2] {
+    let mut out = [[[Matrix3::zeros(); 8]; 8]; 2];
+    let mut found = Vec::new();
+    Master::Line(master, [true, true]).touch(slave, [false, true], &mut found);
+    for patch in &found {
+        let motion = Motion { v, moved, h: 1e-2, z: Vector3::zeros() };
+        for (out, factors) in out.iter_mut().zip([(1.0, 0.0), (0.0, 1.0)]) {
+            patch.add_tangent(laws, |_| motion, factors, symmetric, out);
+        }
+    }
+    out
+}
+
+/// A piece with vector `l` moved by `by` in direction `c`.
+fn shifted(p: &Piece, l: usize, c: usize, by: f64) -> Piece {
+    let mut x = *p.vectors();
+    x[l][c] += by;
+    Piece::new(x, p.length(), p.radius())
+}
+
+proptest! {
+    #[test]
+    fn tangent_is_the_derivative_of_the_force(angle in 0.6..2.5_f64, bend in prop::array::uniform8(-0.1..0.1_f64), v in prop::collection::vec(vectors(), 8), moved in prop::collection::vec(vectors(), 8)) {
+        let r = 0.05;
+        let along = Vector3::new(angle.cos(), angle.sin(), 0.1);
+        let mut master = straight(Vector3::new(0.02, 0.0, 0.0), Vector3::x(), r);
+        let mut slave = straight(Vector3::z() * (2.0 * r - 0.01), along, r);
+        for k in 0..4 {
+            master = shifted(&master, k, 2, 0.02 * bend[k]);
+            slave = shifted(&slave, k, 1, 0.1 * bend[4 + k]);
+        }
+        let v: [Vector3<f64>; 8] = std::array::from_fn(|k| v[k] * 0.02);
+        let moved: [Vector3<f64>; 8] = std::array::from_fn(|k| moved[k] * 2e-4);
+        for laws in laws() {
+            let tangents = tangents_of(&slave, &master, &laws, &v, &moved, false);
+            let (mut worst, mut size) = (0.0_f64, 1.0_f64);
+            let e = 1e-7;
+            for l in 0..8 {
+                for c in 0..3 {
+                    let there = |by: f64, what: usize| {
+                        let (mut s, mut m, mut w, mut u) = (slave, master, v, moved);
+                        if what == 0 {
+                            if l < 4 { m = shifted(&m, l, c, by) } else { s = shifted(&s, l - 4, c, by) }
+                            u[l][c] += by;
+                        } else {
+                            w[l][c] += by;
+                        }
+                        force_of(&s, &m, &laws, &w, &u)
+                    };
+                    for (what, matrix) in tangents.iter().enumerate() {
+                        let (up, down) = (there(e, what), there(-e, what));
+                        for k in 0..8 {
+                            let difference = (up[k] - down[k]) / (2.0 * e);
+                            worst = worst.max((difference - matrix[k][l].column(c)).norm());
+                            size = size.max(difference.norm());
+                        }
+                    }
+                }
+            }
+            // The ends of zones are found to 1e-13, a millionth of the step; a point may cross the ramp's end, where the
+            // slope of the force has a corner, e/d_0 high.
+            prop_assert!(worst < 2e-4 * size, "{worst} of {size}, {laws:?}");
+        }
+    }
+
+    #[test]
+    fn symmetric_tangent_is_the_mean_of_both_ways(slave in bent(0.05), master in bent(0.05)) {
+        let still = [Vector3::zeros(); 8];
+        let laws = laws()[0];
+        let [whole, _] = tangents_of(&slave, &master, &laws, &still, &still, false);
+        let [half, _] = tangents_of(&slave, &master, &laws, &still, &still, true);
+        for k in 0..8 {
+            for l in 0..8 {
+                let mean = (whole[k][l] + whole[l][k].transpose()) * 0.5;
+                // Rounding.
+                prop_assert!((half[k][l] - mean).norm() <= 1e-9 * (1.0 + mean.norm()));
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_lost_between_the_two(slave in bent(0.05), master in bent(0.05), v in prop::collection::vec(vectors(), 8)) {
+        let v: [Vector3<f64>; 8] = std::array::from_fn(|k| v[k]);
+        for laws in laws() {
+            let f = force_of(&slave, &master, &laws, &v, &v.map(|v| v * 1e-2));
+            // Positions of both lines' ends carry the resultant; rounding of sums of forces of this size.
+            let total = f[0] + f[2] + f[4] + f[6];
+            let size: f64 = f.iter().map(|f| f.norm()).sum();
+            prop_assert!(total.norm() <= 1e-13 * size, "{total}");
+        }
+    }
+
+    #[test]
+    fn forces_turn_with_the_scene(slave in bent(0.05), master in bent(0.05), v in prop::collection::vec(vectors(), 8), turn in vectors(), shift in vectors()) {
+        let v: [Vector3<f64>; 8] = std::array::from_fn(|k| v[k]);
+        let q = Rotation3::from_scaled_axis(turn * 3.0);
+        let moved = |p: &Piece| {
+            let [r, t, s, u] = *p.vectors();
+            Piece::new([q * r + shift, q * t, q * s + shift, q * u], p.length(), p.radius())
+        };
+        for laws in laws() {
+            let here = force_of(&slave, &master, &laws, &v, &v.map(|v| v * 1e-2));
+            let w = v.map(|v| q * v);
+            let there = force_of(&moved(&slave), &moved(&master), &laws, &w, &w.map(|v| v * 1e-2));
+            let size: f64 = here.iter().map(|f| f.norm()).sum();
+            for k in 0..8 {
+                // Rounding, amplified by the ends of zones, which are found to 1e-13 of a piece.
+                prop_assert!((q * here[k] - there[k]).norm() <= 1e-7 * (size + 1e-6), "{} {}", q * here[k], there[k]);
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What contact adds to the iteration matrix: one element matrix for each pair that touches.
+//!
+//! Two lines that touch couple up to four nodes. Before a shape at rest the matrix of a contact lies within that of the
+//! slave's own elements: all of these get one at once, and chains stay chains. A pair stays for some steps after it
+//! has come apart, for zones move over the borders of elements all the time; the structure changes only where a new
+//! pair comes in, or an idle one goes.
+
+use super::memory::{ContactMemory, Pair};
+use super::run::{At, PATIENCE, Search, Touch, pair_of};
+use super::{Contacts, Master};
+use crate::dof_map::DofMap;
+use nalgebra::Matrix3;
+use pliant_dae::structure::{Mark, Storage, Structure, entries, entry_number};
+
+/// An element matrix of a pair of elements.
+#[derive(Clone, Debug)]
+struct Placed {
+    slave: usize,
+    master: usize,
+    contact: usize,
+    /// Where it begins among the element values, its size and storage.
+    base: usize,
+    size: usize,
+    storage: Storage,
+    /// Place of the eight vectors in it.
+    local: [usize; 8],
+}
+
+/// The structure of a model with what touches.
+#[derive(Clone, Debug)]
+pub struct Coupled {
+    /// That of the model, and the pairs' elements after it.
+    pub structure: Structure,
+    mark: Mark,
+    pairs: Vec<Pair>,
+    placed: Vec<Placed>,
+}
+
+impl Coupled {
+    /// That of a model where nothing touches.
+    #[must_use]
+    pub fn new(structure: &Structure) -> Self {
+        Self {
+            mark: structure.mark(),
+            structure: structure.clone(),
+            pairs: Vec::new(),
+            placed: Vec::new(),
+        }
+    }
+
+    /// Notes which pairs touch at `q`, and changes the structure where that asks for it.
+    pub fn follow(
+        &mut self,
+        contacts: &Contacts,
+        map: &DofMap,
+        search: &mut Search,
+        memory: &mut ContactMemory,
+        q: &[f64],
+    ) {
+        memory.coupled.retain(|&(_, idle)| idle <= PATIENCE);
+        for touch in search.touches(contacts, q) {
+            let pair = pair_of(touch);
+            if let Err(at) = memory.coupled.binary_search_by_key(&pair, |&(p, _)| p) {
+                memory.coupled.insert(at, (pair, 0));
+            }
+        }
+        if memory.coupled.iter().map(|&(p, _)| p).eq(self.pairs.iter().copied()) {
+            return;
+        }
+        self.pairs = memory.coupled.iter().map(|&(p, _)| p).collect();
+        self.structure.truncate(self.mark);
+        self.placed.clear();
+        for k in 0..self.pairs.len() {
+            let Pair { contact, slave, master } = self.pairs[k];
+            let line = contacts.list[contact as usize].slave;
+            if slave == u32::MAX {
+                for e in 0..contacts.lines[line].len() {
+                    self.place(contacts, map, contact as usize, e, usize::MAX);
+                }
+            } else {
+                self.place(contacts, map, contact as usize, slave as usize, master as usize);
+            }
+        }
+        self.placed.sort_by_key(|p| (p.contact, p.slave, p.master));
+    }
+
+    fn place(
+        &mut self,
+        contacts: &Contacts,
+        map: &DofMap,
+        contact: usize,
+        slave: usize,
+        master: usize,
+    ) {
+        let this = &contacts.list[contact];
+        let own = contacts.lines[this.slave][slave].offsets;
+        let other = match this.master {
+            Master::Line(line) => contacts.lines[line][master].offsets,
+            Master::Shape(_) => own,
+        };
+        let groups = map.groups_of(other.into_iter().chain(own));
+        let unknowns: Vec<usize> =
+            groups.iter().flat_map(|&g| self.structure.groups()[g].clone()).collect();
+        let local = std::array::from_fn(|k| {
+            let offset = if k < 4 { other[k] } else { own[k - 4] };
+            unknowns.iter().position(|&u| u == offset).unwrap_or(0)
+        });
+        let storage = if this.laws.friction.is_some() { Storage::Full } else { Storage::Symmetric };
+        let element = self.structure.add_element(&groups, storage);
+        let base = self.structure.slot(element).base;
+        self.placed.push(Placed {
+            slave,
+            master,
+            contact,
+            base,
+            size: unknowns.len(),
+            storage,
+            local,
+        });
+    }
+
+    /// Writes the element matrices of all pairs.
+    pub fn tangents(
+        &self,
+        contacts: &Contacts,
+        search: &mut Search,
+        memory: &ContactMemory,
+        at: At<'_>,
+        (stiffness, damping, at_rest): (f64, f64, bool),
+        values: &mut [f64],
+    ) {
+        for placed in &self.placed {
+            values[placed.base..placed.base + entries(placed.size, placed.storage)].fill(0.0);
+        }
+        if stiffness == 0.0 && damping == 0.0 {
+            return;
+        }
+        for touch in search.touches(contacts, at.q) {
+            let Some(placed) = self.of(touch) else { continue };
+            let laws = contacts.laws(touch.contact, at_rest);
+            let symmetric = placed.storage == Storage::Symmetric;
+            let mut blocks = [[Matrix3::zeros(); 8]; 8];
+            contacts.with_motion(touch, memory, at, |motion| {
+                let factors = (stiffness, damping);
+                touch.patch.add_tangent(&laws, motion, factors, symmetric, &mut blocks);
+            });
+            for k in 0..8 {
+                for l in 0..8 {
+                    let (i, j) = (placed.local[k], placed.local[l]);
+                    for a in 0..3 {
+                        for b in 0..3 {
+                            if symmetric && i + a < j + b {
+                                continue;
+                            }
+                            let number = entry_number(placed.size, i + a, j + b, placed.storage);
+                            values[placed.base + number] += blocks[k][l][(a, b)];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn of(&self, touch: &Touch) -> Option<&Placed> {
+        let key = (touch.contact, touch.slave, touch.master);
+        let at = self.placed.binary_search_by_key(&key, |p| (p.contact, p.slave, p.master)).ok()?;
+        self.placed.get(at)
+    }
+}

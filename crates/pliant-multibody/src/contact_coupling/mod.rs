@@ -1,0 +1,265 @@
+//! Contact in a model: lines over the coordinates, who may touch whom, and with which laws.
+//!
+//! What is found and remembered during a run is in [`run`] and [`memory`]; the sparsity that follows it in [`coupled`].
+
+pub mod coupled;
+pub mod memory;
+mod passing;
+pub mod run;
+
+use crate::document::Arrays;
+use crate::dof_map::DofMap;
+use crate::error::ModelError;
+use crate::spec::{ContactSpec, FrictionSpec, MasterSpec, ModelSpec};
+use nalgebra::{Matrix3, Vector3};
+use pliant_contact::curve::Piece;
+use pliant_contact::friction::{Coulomb, Friction, LuGre};
+use pliant_contact::normal::Normal;
+use pliant_contact::point::Laws;
+use pliant_contact::shapes::{Placed, Shape};
+use std::collections::HashMap;
+
+/// One element of a line.
+#[derive(Clone, Debug)]
+pub struct Segment {
+    /// Offsets of its four vectors.
+    pub offsets: [usize; 4],
+    /// Stress-free length [m].
+    pub length: f64,
+    /// Radius [m].
+    pub radius: f64,
+    /// Arc length at its beginning [m].
+    pub start: f64,
+    /// Whether its ends are round where it is a master: nothing follows there.
+    pub round: [bool; 2],
+    /// Whether its ends are free where it is a slave.
+    pub free: [bool; 2],
+}
+
+impl Segment {
+    /// The piece at coordinates `q`.
+    #[must_use]
+    pub fn piece(&self, q: &[f64]) -> Piece {
+        Piece::new(self.vectors(q), self.length, self.radius)
+    }
+
+    /// Its four vectors at coordinates (or velocities) `q`.
+    #[must_use]
+    pub fn vectors(&self, q: &[f64]) -> [Vector3<f64>; 4] {
+        self.offsets.map(|o| Vector3::new(q[o], q[o + 1], q[o + 2]))
+    }
+}
+
+/// What a line may touch.
+#[derive(Clone, Debug)]
+pub enum Master {
+    /// A line, by its number.
+    Line(usize),
+    /// A shape at rest.
+    Shape(Box<Placed>),
+}
+
+/// A pair that may touch.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Name for messages.
+    pub name: String,
+    /// Number of the slave line.
+    pub slave: usize,
+    /// The other.
+    pub master: Master,
+    /// Laws.
+    pub laws: Laws,
+    /// On one line: points closer than this along it do not touch [m].
+    pub window: f64,
+    /// Neighbourhoods of joints: arc lengths on slave and master, and how far from both nothing touches [m].
+    pub apart: Vec<[f64; 3]>,
+}
+
+impl Contact {
+    /// Whether a line touches itself.
+    #[must_use]
+    pub fn is_self(&self) -> bool {
+        matches!(self.master, Master::Line(line) if line == self.slave)
+    }
+
+    /// Whether points at these arc lengths may touch.
+    #[must_use]
+    pub fn allows(&self, slave: f64, master: f64) -> bool {
+        let near =
+            |[s, m, width]: &[f64; 3]| (slave - s).abs() < *width && (master - m).abs() < *width;
+        let same = self.is_self() && (slave - master).abs() < self.window;
+        !same && !self.apart.iter().any(near)
+    }
+}
+
+/// All lines and contacts of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Lines by number, element by element.
+    pub lines: Vec<Vec<Segment>>,
+    /// Pairs that may touch.
+    pub list: Vec<Contact>,
+    /// Largest radius [m].
+    pub radius: f64,
+    /// Energy below which a gain is rounding [J].
+    pub energy_floor: f64,
+    /// Highest angular frequency of a line on its contact, `sqrt(k/(rho A))` [1/s].
+    pub frequency: f64,
+}
+
+impl Contacts {
+    /// Reads the contacts of a document.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming the contact that is wrong.
+    pub(crate) fn of_spec(
+        spec: &ModelSpec,
+        arrays: Arrays<'_>,
+        map: &DofMap,
+    ) -> Result<Self, ModelError> {
+        let mut this = Self::default();
+        let mut numbers = HashMap::new();
+        for contact in &spec.contacts {
+            let place = format!("contact '{}'", contact.name);
+            let mut line = |cable: usize| -> Result<usize, ModelError> {
+                if let Some(&number) = numbers.get(&cable) {
+                    return Ok(number);
+                }
+                this.lines.push(line_of(spec, arrays, map, cable, &place)?);
+                numbers.insert(cable, this.lines.len() - 1);
+                Ok(this.lines.len() - 1)
+            };
+            let slave = line(contact.slave)?;
+            let master = match &contact.master {
+                MasterSpec::Line { cable } => Master::Line(line(*cable)?),
+                MasterSpec::Shape { origin, axes, shape } => Master::Shape(Box::new(Placed {
+                    shape: Shape::from(shape),
+                    origin: Vector3::from(*origin),
+                    axes: Matrix3::from_columns(&axes.map(Vector3::from)),
+                })),
+            };
+            let lines = match contact.master {
+                MasterSpec::Line { cable } => vec![contact.slave, cable],
+                MasterSpec::Shape { .. } => vec![contact.slave],
+            };
+            for cable in lines {
+                let mass = arrays.get(&spec.cables[cable].mass_per_length, &place)?;
+                let least = mass.iter().fold(f64::INFINITY, |m, x| m.min(*x));
+                this.frequency = this.frequency.max((contact.stiffness / least).sqrt());
+            }
+            let apart = arrays.get(&contact.apart, &place)?;
+            let apart = (0..apart.len() / 3).map(|i| crate::document::row(apart, i)).collect();
+            this.list.push(Contact {
+                name: contact.name.clone(),
+                slave,
+                master,
+                laws: laws_of(contact, &place)?,
+                window: contact.window,
+                apart,
+            });
+        }
+        let radii = this.lines.iter().flatten().map(|s| s.radius);
+        this.radius = radii.fold(0.0, f64::max);
+        Ok(this)
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+}
+
+fn laws_of(contact: &ContactSpec, place: &str) -> Result<Laws, ModelError> {
+    let numbers = [contact.stiffness, contact.ramp, contact.damping];
+    if let Some(&value) = numbers.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
+        let allowed = "stiffness, ramp and damping of zero or more";
+        return Err(ModelError::Value { place: place.to_owned(), value, allowed });
+    }
+    let friction = contact.friction.as_ref().map(|friction| match *friction {
+        FrictionSpec::Lugre { mu_s, mu_d, v_s, alpha, sigma_0, sigma_1, sigma_2, scaled } => {
+            let v_d = 5.0 * v_s;
+            Friction::LuGre(LuGre {
+                mu_s,
+                mu_d,
+                v_s,
+                alpha,
+                sigma_0,
+                sigma_1,
+                sigma_2,
+                scaled,
+                v_d,
+            })
+        }
+        FrictionSpec::Coulomb { mu, sigma_0, sigma_1 } => {
+            Friction::Coulomb(Coulomb { mu, sigma_0, sigma_1 })
+        }
+    });
+    let normal = Normal { k: contact.stiffness, d_0: contact.ramp, c: contact.damping };
+    Ok(Laws { normal, friction })
+}
+
+/// The elements of a cable. Of several strands that end at one point, one has the round end there.
+fn line_of(
+    spec: &ModelSpec,
+    arrays: Arrays<'_>,
+    map: &DofMap,
+    cable: usize,
+    place: &str,
+) -> Result<Vec<Segment>, ModelError> {
+    let count = map.cables.len();
+    let (Some(cable_map), Some(cable_spec)) = (map.cables.get(cable), spec.cables.get(cable))
+    else {
+        let place = place.to_owned();
+        return Err(ModelError::Reference { place, kind: "cable", index: cable, count });
+    };
+    let none =
+        || ModelError::Unsupported { place: place.to_owned(), reason: "its cable has no radius" };
+    let radius = cable_spec.radius.as_ref().ok_or_else(none)?;
+    let elements = cable_map.elements();
+    let positive: (fn(f64) -> bool, _) = (|x| x > 0.0, "radii are above zero");
+    let radius = arrays.checked(radius, &[1, elements], place, positive)?;
+    let mut users: HashMap<u32, usize> = HashMap::new();
+    let ends = |strand: usize| {
+        let nodes = cable_map.strand_nodes(strand);
+        [nodes.start, nodes.end - 1].map(|n| cable_map.nodes[n].r)
+    };
+    for strand in 0..cable_map.strands.len() {
+        for r in ends(strand) {
+            *users.entry(r).or_default() += 1;
+        }
+    }
+    let mut rounded = HashMap::new();
+    let mut segments = Vec::with_capacity(elements);
+    let mut start = 0.0;
+    for (strand, range) in cable_map.strands.iter().enumerate() {
+        let [first, last] = ends(strand);
+        for e in range.clone() {
+            let node = cable_map.first_node(e);
+            let (a, b) = (cable_map.nodes[node], cable_map.nodes[node + 1]);
+            let mut round = [false; 2];
+            let mut free = [false; 2];
+            for (end, (r, here)) in
+                [(first, e == range.start), (last, e + 1 == range.end)].into_iter().enumerate()
+            {
+                if here {
+                    round[end] = rounded.insert((r, end), ()).is_none()
+                        && (end == 0 || !rounded.contains_key(&(r, 0)));
+                    free[end] = users[&r] == 1;
+                }
+            }
+            let length = cable_map.lengths[e];
+            segments.push(Segment {
+                offsets: [a.r, a.t, b.r, b.t].map(|o| o as usize),
+                length,
+                radius: radius[if radius.len() == 1 { 0 } else { e }],
+                start,
+                round,
+                free,
+            });
+            start += length;
+        }
+    }
+    Ok(segments)
+}

@@ -1,0 +1,89 @@
+//! Whether two lines have passed through each other within a step: penalty forces would push them on to the wrong side.
+//!
+//! Where two lines cross, one lies on a side of the other: the sign of `(r_a - r_b).(t_a x t_b)` at the points that face
+//! each other. A crossing is followed from before the step to after it by where it lies on both lines.
+
+use super::run::Search;
+use super::{Contacts, Master};
+use nalgebra::Vector3;
+use pliant_contact::curve::Piece;
+
+/// Chords that stand for a piece.
+const CHORDS: usize = 4;
+
+/// A crossing of two lines.
+struct Crossing {
+    contact: usize,
+    /// Arc lengths on both [m].
+    arc: [f64; 2],
+    side: f64,
+    /// How far it may move along the lines within a step, an element [m].
+    reach: f64,
+}
+
+/// Where two straight lines face each other, counted from 0 to 1 along each, and on which side.
+fn facing(a: [Vector3<f64>; 2], b: [Vector3<f64>; 2]) -> Option<(f64, f64, f64)> {
+    let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
+    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
+    let det = uu * vv - uv * uv;
+    // Parallel lines do not pass through each other at a point.
+    if det < 1e-3 * uu * vv {
+        return None;
+    }
+    let (s, t) = ((uv * vw - vv * uw) / det, (uu * vw - uv * uw) / det);
+    Some((s, t, w.dot(&u.cross(&v))))
+}
+
+/// All crossings of candidates at `q`.
+fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
+    let mut found = Vec::new();
+    let points = |p: Piece| -> [Vector3<f64>; CHORDS + 1] {
+        std::array::from_fn(|i| p.at(i as f64 / CHORDS as f64))
+    };
+    let inside = |x: f64| (0.0..1.0).contains(&x);
+    for &(contact, e, m) in search.candidates() {
+        let this = &contacts.list[contact];
+        let Master::Line(line) = this.master else { continue };
+        let (slave, master) = (&contacts.lines[this.slave][e], &contacts.lines[line][m]);
+        let (a, b) = (points(slave.piece(q)), points(master.piece(q)));
+        for i in 0..CHORDS {
+            for j in 0..CHORDS {
+                let Some((s, t, side)) = facing([a[i], a[i + 1]], [b[j], b[j + 1]]) else {
+                    continue;
+                };
+                let at = |segment: &super::Segment, k: usize, x: f64| {
+                    segment.start + segment.length * (k as f64 + x) / CHORDS as f64
+                };
+                let arc = [at(slave, i, s), at(master, j, t)];
+                if inside(s) && inside(t) && this.allows(arc[0], arc[1]) {
+                    let reach = slave.length.min(master.length);
+                    found.push(Crossing { contact, arc, side, reach });
+                }
+            }
+        }
+    }
+    found
+}
+
+impl Search {
+    /// Whether two lines have passed through each other between two places.
+    pub fn have_passed(&mut self, contacts: &Contacts, before: &[f64], after: &[f64]) -> bool {
+        if !contacts.list.iter().any(|c| matches!(c.master, Master::Line(_))) {
+            return false;
+        }
+        self.refresh(contacts, after);
+        let now = crossings(contacts, self, after);
+        if now.is_empty() {
+            return false;
+        }
+        let was = crossings(contacts, self, before);
+        now.iter().any(|crossing| {
+            let distance = |other: &&Crossing| {
+                (0..2).map(|k| (other.arc[k] - crossing.arc[k]).abs()).fold(0.0, f64::max)
+            };
+            let same = was.iter().filter(|w| w.contact == crossing.contact);
+            let nearest = same.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            nearest.is_some_and(|w| distance(&w) < crossing.reach && w.side * crossing.side < 0.0)
+        })
+    }
+}

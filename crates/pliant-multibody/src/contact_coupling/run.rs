@@ -1,0 +1,394 @@
+//! Who touches whom at given coordinates, and the forces there.
+
+use super::memory::{Bristle, ContactMemory, Pair};
+use super::{Contact, Contacts, Master};
+use nalgebra::Vector3;
+use pliant_contact::broad_phase::{Box3, pairs};
+use pliant_contact::curve::Piece;
+use pliant_contact::point::{Force, Laws, Motion};
+use pliant_contact::touch::{Master as Facing, Patch, Point as Place};
+use pliant_dae::problem::Point;
+
+/// Steps without touching after which a pair leaves the iteration matrix.
+pub(super) const PATIENCE: u32 = 20;
+
+/// A zone or an end in contact, and whose it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// Number of the contact.
+    pub contact: usize,
+    /// Element of the slave line.
+    pub slave: usize,
+    /// Element of the master line; `usize::MAX` for a shape.
+    pub master: usize,
+    /// Where the two touch.
+    pub patch: Patch,
+    /// Arc length where the slave's element begins, and the master's [m].
+    starts: [f64; 2],
+    /// Their lengths [m]; 0 for shapes.
+    lengths: [f64; 2],
+}
+
+impl Touch {
+    /// Arc lengths of a point on slave and master [m].
+    #[must_use]
+    pub fn arc(&self, point: &Place) -> (f64, f64) {
+        (self.starts[0] + point.xi * self.lengths[0], self.starts[1] + point.eta * self.lengths[1])
+    }
+}
+
+/// Coordinates at which forces are asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    /// Time [s].
+    pub t: f64,
+    /// Coordinates.
+    pub q: &'a [f64],
+    /// Velocities.
+    pub v: &'a [f64],
+}
+
+impl<'a> From<Point<'a>> for At<'a> {
+    fn from(at: Point<'a>) -> Self {
+        Self { t: at.t, q: at.q, v: at.v }
+    }
+}
+
+/// Scratch of the search: candidates hold while nothing has moved far.
+#[derive(Clone, Debug, Default)]
+pub struct Search {
+    /// Candidates: contact, element of the slave, of the master.
+    candidates: Vec<(usize, usize, usize)>,
+    built_at: Vec<f64>,
+    margin: f64,
+    touches: Vec<Touch>,
+    found_at: Vec<f64>,
+}
+
+impl Search {
+    /// All points in contact at `q`. Equal coordinates give equal points.
+    pub fn touches(&mut self, contacts: &Contacts, q: &[f64]) -> &[Touch] {
+        if self.found_at != q {
+            self.refresh(contacts, q);
+            self.touches.clear();
+            for &(number, slave, master) in &self.candidates {
+                touch(contacts, (number, slave, master), q, &mut self.touches);
+            }
+            self.found_at.clear();
+            self.found_at.extend_from_slice(q);
+        }
+        &self.touches
+    }
+
+    /// Finds candidates anew where something may have moved by more than their boxes allow.
+    pub(super) fn refresh(&mut self, contacts: &Contacts, q: &[f64]) {
+        let mut moved = f64::INFINITY;
+        if self.built_at.len() == q.len() {
+            moved = 0.0;
+            for segment in contacts.lines.iter().flatten() {
+                // A control point moves with its node and a third of the slope's change.
+                for end in [0, 2] {
+                    let change = |k: usize| {
+                        let o = segment.offsets[k];
+                        (0..3)
+                            .map(|c| (q[o + c] - self.built_at[o + c]).powi(2))
+                            .sum::<f64>()
+                            .sqrt()
+                    };
+                    moved = f64::max(moved, change(end) + segment.length / 3.0 * change(end + 1));
+                }
+            }
+            if 2.0 * moved <= self.margin {
+                return;
+            }
+        }
+        let ahead = if moved.is_finite() { 2.0 * moved } else { 0.0 };
+        self.margin = f64::max(0.5 * contacts.radius, ahead);
+        self.candidates = candidates(contacts, q, self.margin);
+        self.built_at.clear();
+        self.built_at.extend_from_slice(q);
+    }
+
+    /// Pairs near each other where [`Self::touches`] last looked: contact, element of the slave, of the master.
+    #[must_use]
+    pub fn candidates(&self) -> &[(usize, usize, usize)] {
+        &self.candidates
+    }
+}
+
+fn hull(piece: &Piece, margin: f64) -> Box3 {
+    let control: [[f64; 3]; 4] = piece.control().map(Into::into);
+    Box3::around(&control, piece.radius() + margin)
+}
+
+/// Pairs whose boxes, grown by half the margin, meet; sorted.
+fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<(usize, usize, usize)> {
+    let mut owner = Vec::new();
+    let mut boxes = Vec::new();
+    for (line, segments) in contacts.lines.iter().enumerate() {
+        for (e, segment) in segments.iter().enumerate() {
+            owner.push((line, e));
+            boxes.push(hull(&segment.piece(q), margin));
+        }
+    }
+    let mut all = Vec::new();
+    let of_lines = |a: usize, b: usize| {
+        contacts.list.iter().enumerate().filter(move |(_, c)| match c.master {
+            Master::Line(m) => (c.slave, m) == (a, b) || (c.slave, m) == (b, a),
+            Master::Shape(_) => false,
+        })
+    };
+    if contacts.list.iter().any(|c| matches!(c.master, Master::Line(_))) {
+        for (i, j) in pairs(&boxes, |_, _| true) {
+            let ((a, e), (b, m)) = (owner[i as usize], owner[j as usize]);
+            for (number, contact) in of_lines(a, b) {
+                let (e, m) = if contact.slave == a { (e, m) } else { (m, e) };
+                if contact.is_self() && is_beside(contact, contacts, e, m) {
+                    continue;
+                }
+                all.push((number, e, m));
+            }
+        }
+    }
+    for (number, contact) in contacts.list.iter().enumerate() {
+        let Master::Shape(shape) = &contact.master else { continue };
+        for (e, segment) in contacts.lines[contact.slave].iter().enumerate() {
+            let piece = segment.piece(q);
+            let reach = 0.5 * piece.speed_bound() + piece.radius() + margin;
+            if shape.distance(piece.at(0.5)).value <= reach {
+                all.push((number, e, usize::MAX));
+            }
+        }
+    }
+    all.sort_unstable();
+    all
+}
+
+/// Whether all of two elements of one line are closer along it than may touch.
+fn is_beside(contact: &Contact, contacts: &Contacts, e: usize, m: usize) -> bool {
+    let line = &contacts.lines[contact.slave];
+    let (a, b) = (&line[e.min(m)], &line[e.max(m)]);
+    b.start + b.length - a.start < contact.window
+}
+
+fn touch(
+    contacts: &Contacts,
+    (number, e, m): (usize, usize, usize),
+    q: &[f64],
+    out: &mut Vec<Touch>,
+) {
+    let contact = &contacts.list[number];
+    let slave = &contacts.lines[contact.slave][e];
+    let piece = slave.piece(q);
+    let mut found = Vec::new();
+    let (mut starts, mut lengths) = ([slave.start, 0.0], [slave.length, 0.0]);
+    match &contact.master {
+        Master::Shape(shape) => Facing::Shape(shape).touch(&piece, slave.free, &mut found),
+        Master::Line(line) => {
+            let master = &contacts.lines[*line][m];
+            (starts[1], lengths[1]) = (master.start, master.length);
+            let other = master.piece(q);
+            Facing::Line(&other, master.round).touch(&piece, slave.free, &mut found);
+        }
+    }
+    for patch in found {
+        let mut touch = Touch { contact: number, slave: e, master: m, patch, starts, lengths };
+        let same = touch;
+        let allowed = |point: &Place| {
+            let (slave, master) = same.arc(point);
+            contact.allows(slave, master)
+        };
+        if m == usize::MAX || touch.patch.keep(allowed) {
+            out.push(touch);
+        }
+    }
+}
+
+/// Which part of the forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All of them.
+    All,
+    /// What dissipates: friction and damping.
+    Dissipated,
+}
+
+impl Contacts {
+    /// The laws at hand: at rest there is no friction.
+    pub(super) fn laws(&self, number: usize, at_rest: bool) -> Laws {
+        let laws = self.list[number].laws;
+        if at_rest { Laws { friction: None, ..laws } } else { laws }
+    }
+
+    /// The offsets of the eight vectors of a point: master, then slave. Before a shape the slave's stand for the
+    /// master's, which have no weight.
+    pub(super) fn offsets(&self, touch: &Touch) -> [usize; 8] {
+        let contact = &self.list[touch.contact];
+        let slave = self.lines[contact.slave][touch.slave].offsets;
+        let master = match contact.master {
+            Master::Line(line) => self.lines[line][touch.master].offsets,
+            Master::Shape(_) => slave,
+        };
+        std::array::from_fn(|k| if k < 4 { master[k] } else { slave[k - 4] })
+    }
+
+    /// Calls `work` with the motion of a point over the present step.
+    pub(super) fn with_motion<T>(
+        &self,
+        touch: &Touch,
+        memory: &ContactMemory,
+        at: At<'_>,
+        work: impl for<'m> FnOnce(&(dyn Fn(usize) -> Motion<'m> + 'm)) -> T,
+    ) -> T {
+        let offsets = self.offsets(touch);
+        let gather = |x: &[f64]| offsets.map(|o| Vector3::new(x[o], x[o + 1], x[o + 2]));
+        let v = gather(at.v);
+        let mut moved = [Vector3::zeros(); 8];
+        let mut h = 0.0;
+        if memory.q.len() == at.q.len() && at.t > memory.t {
+            h = at.t - memory.t;
+            let before = gather(&memory.q);
+            let now = gather(at.q);
+            for k in 0..8 {
+                moved[k] = now[k] - before[k];
+            }
+        }
+        let contact = &self.list[touch.contact];
+        let z = |number: usize| {
+            if contact.laws.friction.is_none() {
+                return Vector3::zeros();
+            }
+            let point = &touch.patch.points()[number];
+            let radius = self.lines[contact.slave][touch.slave].radius;
+            let arc = touch.arc(point);
+            memory.bristle(touch.contact as u32, touch.patch.is_end(), arc, point.place.n, radius)
+        };
+        work(&|number| Motion { v: &v, moved: &moved, h, z: z(number) })
+    }
+
+    /// Calls `work` with each point of a patch and the force there.
+    fn each_force(
+        &self,
+        touch: &Touch,
+        memory: &ContactMemory,
+        at: At<'_>,
+        at_rest: bool,
+        mut work: impl FnMut(&Place, &Force),
+    ) {
+        let laws = self.laws(touch.contact, at_rest);
+        self.with_motion(touch, memory, at, |motion| {
+            for (number, point) in touch.patch.points().iter().enumerate() {
+                if point.place.weight > 0.0 {
+                    work(point, &point.place.force(&laws, &motion(number)));
+                }
+            }
+        });
+    }
+
+    /// Adds what contact adds to the inner forces.
+    pub fn add_forces(
+        &self,
+        search: &mut Search,
+        memory: &ContactMemory,
+        at: At<'_>,
+        (part, at_rest): (Part, bool),
+        out: &mut [f64],
+    ) {
+        for touch in search.touches(self, at.q) {
+            let mut share = [Vector3::zeros(); 8];
+            let normal = self.list[touch.contact].laws.normal;
+            self.each_force(touch, memory, at, at_rest, |Place { place, .. }, force| {
+                let mut total = force.total;
+                if part == Part::Dissipated {
+                    total -= place.n * normal.elastic(-place.gap).0;
+                }
+                place.add_force(total, &mut share);
+            });
+            for (o, f) in self.offsets(touch).into_iter().zip(&share) {
+                for c in 0..3 {
+                    out[o + c] += f[c];
+                }
+            }
+        }
+    }
+
+    /// Energy stored where lines press [J].
+    pub fn energy(&self, search: &mut Search, q: &[f64]) -> f64 {
+        let touches = search.touches(self, q).iter();
+        let of = |touch: &Touch| -> f64 {
+            let normal = self.list[touch.contact].laws.normal;
+            let points = touch.patch.points().iter();
+            points.map(|p| p.place.weight * normal.energy(-p.place.gap)).sum()
+        };
+        touches.map(of).sum()
+    }
+
+    /// Commits a step: bristles, pairs that touch, forces and their impulse.
+    pub fn accept(
+        &self,
+        search: &mut Search,
+        memory: &mut ContactMemory,
+        at: At<'_>,
+        at_rest: bool,
+    ) {
+        let mut bristles = Vec::new();
+        let h = if memory.q.is_empty() { 0.0 } else { at.t - memory.t };
+        memory.totals.resize(self.list.len(), [0.0; 6]);
+        let before: Vec<[f64; 6]> = memory.totals.clone();
+        for totals in &mut memory.totals {
+            totals[..3].fill(0.0);
+        }
+        let mut touching: Vec<Pair> = Vec::new();
+        let mut totals = std::mem::take(&mut memory.totals);
+        for touch in search.touches(self, at.q) {
+            touching.push(pair_of(touch));
+            let rubs = self.list[touch.contact].laws.friction.is_some();
+            let segment = &self.lines[self.list[touch.contact].slave][touch.slave];
+            let zone = [touch.patch.zone.0, touch.patch.zone.1];
+            self.each_force(touch, memory, at, at_rest, |point, force| {
+                for c in 0..3 {
+                    totals[touch.contact][c] -= point.place.weight * force.total[c];
+                }
+                if rubs && force.pressure.p > 0.0 {
+                    let (slave, master) = touch.arc(point);
+                    bristles.push(Bristle {
+                        contact: touch.contact as u32,
+                        end: touch.patch.is_end(),
+                        slave,
+                        master,
+                        zone: zone.map(|xi| segment.start + xi * segment.length),
+                        z: force.friction.z.into(),
+                        n: point.place.n.into(),
+                    });
+                }
+            });
+        }
+        memory.totals = totals;
+        for (totals, before) in memory.totals.iter_mut().zip(&before) {
+            for c in 0..3 {
+                totals[3 + c] = before[3 + c] + 0.5 * h * (before[c] + totals[c]);
+            }
+        }
+        memory.bristles = bristles;
+        memory.arrange();
+        touching.sort_unstable();
+        touching.dedup();
+        for (pair, idle) in &mut memory.coupled {
+            let touches = touching.binary_search(pair).is_ok();
+            *idle = if touches { 0 } else { idle.saturating_add(1) };
+        }
+        memory.t = at.t;
+        memory.q.clear();
+        memory.q.extend_from_slice(at.q);
+    }
+}
+
+/// The pair that a point belongs to.
+pub(super) fn pair_of(touch: &Touch) -> Pair {
+    let contact = touch.contact as u32;
+    if touch.master == usize::MAX {
+        Pair { contact, slave: u32::MAX, master: u32::MAX }
+    } else {
+        Pair { contact, slave: touch.slave as u32, master: touch.master as u32 }
+    }
+}

@@ -1,0 +1,163 @@
+//! Contact in the problem that the solvers see.
+
+use super::{Mode, System};
+pub(super) use crate::contact_coupling::run::Part;
+use crate::contact_coupling::run::{At, Search};
+use crate::memory::work;
+use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
+
+/// Part of the kinetic and contact energy at the beginning of a step by which energy may grow in it.
+const GAIN: f64 = 0.01;
+/// Part of the largest energy in motion that a step may leave out of the balance, where it is too long to resolve the
+/// contact: the scheme would damp the rebound away.
+const GAP: f64 = 1e-4;
+/// Step, in units of a radian of the contact's own motion, that resolves it.
+const RESOLVED: f64 = 0.02;
+/// Part of the nominal step below which none is cut any more for what the balance leaves out.
+const SMALLEST: f64 = 1.0 / 128.0;
+
+impl System {
+    /// Notes where everything is at the start: slip counts from there.
+    pub(super) fn begin_contact(&mut self, t: f64, q: &[f64]) {
+        if !self.model.contacts.is_empty() {
+            self.memory.contact.t = t;
+            self.memory.contact.q = q.to_vec();
+        }
+    }
+
+    fn at_rest(&self) -> bool {
+        self.mode == Mode::Static
+    }
+
+    /// Adds what contact adds to the inner forces.
+    pub(super) fn add_contact(
+        &mut self,
+        (t, q, v): (f64, &[f64], &[f64]),
+        part: Part,
+        force: &mut [f64],
+    ) {
+        if !self.model.contacts.is_empty() {
+            let which = (part, self.at_rest());
+            let Self { model, search, memory, .. } = self;
+            model.contacts.add_forces(search, &memory.contact, At { t, q, v }, which, force);
+        }
+    }
+
+    /// Lets the structure follow what touches.
+    pub(super) fn follow_contact(&mut self, q: &[f64]) {
+        if !self.model.contacts.is_empty() {
+            let Self { model, search, memory, coupled, .. } = self;
+            coupled.follow(&model.contacts, &model.map, search, &mut memory.contact, q);
+        }
+    }
+
+    pub(super) fn contact_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        if !self.model.contacts.is_empty() {
+            let factors = (weights.stiffness, weights.damping, self.at_rest());
+            let Self { model, search, memory, coupled, .. } = self;
+            coupled.tangents(&model.contacts, search, &memory.contact, at.into(), factors, values);
+        }
+    }
+
+    /// Refuses a step in which lines passed through each other, or contact made energy.
+    pub(super) fn judge_contact(
+        &mut self,
+        before: Point<'_>,
+        after: Point<'_>,
+        part: f64,
+    ) -> Result<(), EvaluationError> {
+        if self.model.contacts.is_empty() {
+            return Ok(());
+        }
+        let refuse = |message: String| Err(EvaluationError { message, recoverable: true });
+        let model = self.model.clone();
+        let contacts = &model.contacts;
+        if self.search.have_passed(contacts, before.q, after.q) {
+            return refuse(
+                "two lines have passed through each other within a step: they hit harder than the contact is stiff"
+                    .to_owned(),
+            );
+        }
+        let touched = self.memory.contact.totals.iter().any(|f| f[..3] != [0.0; 3]);
+        if self.search.touches(contacts, after.q).is_empty() && !touched {
+            self.noted_energy = None;
+            return Ok(());
+        }
+        // The work of drives and winches is not known here.
+        let mut rate = vec![0.0; self.multipliers()];
+        self.constraint_rate(after.t, after.q, &mut rate);
+        if rate.iter().any(|r| *r != 0.0) || !model.winches.is_empty() {
+            return Ok(());
+        }
+        let last = match self.noted_energy {
+            Some((t, energy)) if t == before.t => energy,
+            _ => self.energy_with(&mut Search::default(), before),
+        };
+        let mut search = std::mem::take(&mut self.search);
+        let now = self.energy_with(&mut search, after);
+        self.search = search;
+        self.noted_energy = Some((after.t, now));
+        let mut outside = 0.0;
+        if model.has_work() {
+            let mut noted = self.memory.loads.clone();
+            let mut forces = Vec::new();
+            outside = work(&mut noted, &mut forces, before, after, |at, force| {
+                if self.refresh(at.t).is_ok() {
+                    self.working_forces(at, force);
+                }
+            });
+            outside += self.changing_energy(after.t, after.q, after.v) - self.memory.potential;
+        }
+        let peak = f64::max(self.memory.contact.peak, now[0]);
+        self.memory.contact.peak = peak;
+        let gain = now.iter().sum::<f64>() - last.iter().sum::<f64>() - outside;
+        let h = after.t - before.t;
+        if part > SMALLEST && h * contacts.frequency > RESOLVED {
+            let mut noted = self.memory.damping.clone();
+            let mut forces = Vec::new();
+            let lost = work(&mut noted, &mut forces, before, after, |at, force| {
+                if self.refresh_inputs(at.t).is_ok() {
+                    self.damping_forces(at.t, at.q, at.v, force);
+                }
+            });
+            let gap = gain + lost;
+            if gap.abs() > GAP * peak + contacts.energy_floor {
+                return refuse(format!(
+                    "a step leaves {gap:.3e} J of a contact out of the balance, of {peak:.3e} J in motion"
+                ));
+            }
+        }
+        let limit = GAIN * (last[0] + last[1].max(0.0)) + contacts.energy_floor;
+        if gain > limit {
+            return refuse(format!(
+                "contact made {gain:.3e} J within a step, of {:.3e} J in motion",
+                last[0]
+            ));
+        }
+        Ok(())
+    }
+
+    /// Appends force on the slave and impulse of each contact.
+    pub(super) fn show_contact(&self, out: &mut Vec<f64>) {
+        let totals = &self.memory.contact.totals;
+        let none = [0.0; 6];
+        for k in 0..self.model.contacts.list.len() {
+            out.extend(totals.get(k).unwrap_or(&none));
+        }
+    }
+
+    fn energy_with(&self, search: &mut Search, at: Point<'_>) -> [f64; 3] {
+        let mut energy = self.model.energy_of_bodies(&self.wound, at.q, at.v);
+        energy[1] += self.model.stored_energy(self.moment(at.t), at.q, at.v);
+        energy[1] += self.model.contacts.energy(search, at.q);
+        energy
+    }
+
+    pub(super) fn accept_contact(&mut self, after: Point<'_>) {
+        if !self.model.contacts.is_empty() {
+            let at_rest = self.at_rest();
+            let Self { model, search, memory, .. } = self;
+            model.contacts.accept(search, &mut memory.contact, after.into(), at_rest);
+        }
+    }
+}

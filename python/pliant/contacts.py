@@ -1,0 +1,192 @@
+"""Obstacles, and pairs that may touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pliant import _check
+from pliant.bodies import LineBody
+from pliant.friction import Coulomb, Friction, LuGre
+from pliant.points import Point
+from pliant.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from pliant.typing import FloatArray, Json
+
+__all__ = ["ContactData", "HalfSpace", "ObstacleData"]
+
+POISSON_RATIO = 0.4  # of the default stiffness, which hardly depends on it
+RAMP = 0.005  # penetration at which the full stiffness is reached, over the radius
+DAMPING = 3.0
+STANDARD_GRAVITY = 9.80665
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpace:
+    """All on one side of a plane, as an obstacle: the ground, a wall.
+
+    Parameters
+    ----------
+    normal : array_like, shape (3,)
+        Normal of the plane, away from the obstacle; of any length.
+
+    Examples
+    --------
+    >>> HalfSpace(normal=(0, 0, 2)).normal.tolist()
+    [0.0, 0.0, 1.0]
+    """
+
+    normal: Any = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        normal = _check.vector(self.normal, "normal")
+        length = float(np.linalg.norm(normal))
+        if length == 0.0:
+            _check.fail("normal", self.normal, "must not vanish")
+        object.__setattr__(self, "normal", normal / length)
+
+
+@dataclass(frozen=True, eq=False)
+class ObstacleData:
+    """A fixed shape; ``axes`` has the shape's axes as rows."""
+
+    name: str
+    shape: Shape | HalfSpace
+    position: FloatArray
+    axes: FloatArray
+
+    def __post_init__(self) -> None:
+        _check.text(self.name, "name")
+        if not isinstance(self.shape, (Shape, HalfSpace)):
+            _check.fail("shape", self.shape, "must be a shape")
+        object.__setattr__(self, "position", _check.vector(self.position, "position"))
+        object.__setattr__(self, "axes", _check.array(self.axes, "axes", (3, 3)))
+
+    def document(self) -> Json:
+        """Write the obstacle as the core reads it."""
+        shape = self.shape
+        axes = self.axes
+        kind: Json
+        if isinstance(shape, HalfSpace):
+            kind = {"kind": "half_space"}
+            axes = frame(axes.T @ shape.normal)
+        elif isinstance(shape, Sphere):
+            kind = {"kind": "sphere", "radius": shape.radius}
+        elif isinstance(shape, Box):
+            kind = {"kind": "box", "size": np.asarray(shape.size).tolist()}
+        else:
+            assert isinstance(shape, (Cylinder, Capsule))
+            name = "cylinder" if isinstance(shape, Cylinder) else "capsule"
+            kind = {"kind": name, "radius": shape.radius, "length": shape.length}
+        return {"kind": "shape", "origin": self.position.tolist(), "axes": axes.tolist(), "shape": kind}
+
+
+@dataclass(frozen=True)
+class ContactData:
+    """A pair that may touch; ``b`` is ``a`` where a cable touches itself."""
+
+    name: str
+    a: str
+    b: str
+    stiffness: float | None = None
+    damping: float | None = None
+    friction: Friction | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("name", "a", "b"):
+            _check.text(getattr(self, name), name)
+        if self.stiffness is not None:
+            object.__setattr__(self, "stiffness", _check.number(self.stiffness, "stiffness", above=0))
+        if self.damping is not None:
+            object.__setattr__(self, "damping", _check.number(self.damping, "damping", at_least=0))
+        if self.friction is not None and not isinstance(self.friction, (LuGre, Coulomb)):
+            _check.fail("friction", self.friction, "must be a pliant.LuGre, a pliant.Coulomb or None")
+
+    def laws(self, bodies: list[LineBody]) -> Json:
+        """Numbers of the contact for the cables of it."""
+        radius = min(float(body.radius.min()) for body in bodies)
+        modulus = 1.0 / sum((1.0 - POISSON_RATIO**2) / effective_modulus(body) for body in bodies)
+        return {
+            # As stiff as Hertz where two round lines cross.
+            "stiffness": modulus / 2.0 if self.stiffness is None else self.stiffness,
+            "ramp": RAMP * radius,
+            "damping": DAMPING if self.damping is None else self.damping,
+            "friction": friction_document(self.friction, radius),
+        }
+
+
+def effective_modulus(body: LineBody) -> float:
+    """Young's modulus of a round bar with the axial stiffness of a cable [Pa]."""
+    return float(np.mean(body.axial_stiffness) / (np.pi * np.mean(body.radius) ** 2))
+
+
+def frame(normal: FloatArray) -> FloatArray:
+    """Axes, one a row, the third of which is ``normal``."""
+    helper = np.eye(3)[np.argmin(np.abs(normal))]
+    first = np.cross(helper, normal)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(normal, first), normal])
+
+
+def friction_document(law: Friction | None, radius: float) -> Json | None:
+    """Write a law with all its coefficients."""
+    if law is None:
+        return None
+    if isinstance(law, Coulomb):
+        stiffness = 1e3 * law.coefficient / radius
+        return {
+            "law": "coulomb",
+            "mu": law.coefficient,
+            "sigma_0": stiffness,
+            "sigma_1": damping_of(stiffness),
+        }
+    assert isinstance(law, LuGre)
+    scaled = law.form == "scaled"
+    stiffness = 1e3 * law.static / radius if law.bristle_stiffness is None else law.bristle_stiffness
+    damping = law.bristle_damping
+    if damping is None:
+        damping = damping_of(stiffness) if scaled else 0.0
+    return {
+        "law": "lugre",
+        "mu_s": law.static,
+        "mu_d": law.dynamic,
+        "v_s": law.stribeck_velocity,
+        "alpha": law.exponent,
+        "sigma_0": stiffness,
+        "sigma_1": damping,
+        "sigma_2": law.viscous,
+        "scaled": scaled,
+    }
+
+
+def damping_of(stiffness: float) -> float:
+    """Give a tenth of critical damping for what lies under its own weight [s/m]."""
+    return float(0.1 * 2.0 * np.sqrt(stiffness / STANDARD_GRAVITY))
+
+
+def arc(body: LineBody, point: Point) -> float:
+    """Arc length of a point, counted through all strands of its body [m]."""
+    return float(body.lengths[: point.element].sum() + point.xi * body.lengths[point.element])
+
+
+def knots(body: LineBody) -> list[tuple[float, float]]:
+    """Pairs of arc lengths at which strands of one body meet, other than one after the other."""
+    ends: dict[int, list[float]] = {}
+    node, start = 0, 0.0
+    element = 0
+    for count in body.strands.tolist():
+        stop = start + float(body.lengths[element : element + count].sum())
+        for at, here in ((node, start), (node + count, stop)):
+            ends.setdefault(int(body.users[at]), []).append(here)
+        node += count + 1
+        element += count
+        start = stop
+    pairs = [
+        (one, other)
+        for places in ends.values()
+        for one in places
+        for other in places
+        if one is not other and one != other
+    ]
+    return sorted(set(pairs))
