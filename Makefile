@@ -61,6 +61,7 @@ bench: setup bench-exudyn ## speed: Rust kernels, scaling, import time, beside E
 	$(PY) benchmarks/model_building.py
 	$(PY) benchmarks/scaling.py
 	$(PY) benchmarks/falling_pendulum.py --exudyn .venv-exudyn/bin/python
+	$(PY) benchmarks/falling_sheet.py --exudyn .venv-exudyn/bin/python
 
 bench-exudyn: .venv-exudyn/.ready
 

@@ -108,7 +108,7 @@ impl<P: Problem> Integrator<P> {
             let floor = self.state.factor.floor;
             watch.lap(&mut self.statistics.seconds.other);
             let phi = self.residual(h, watch)?;
-            self.solver.solve(&mut self.work.x);
+            self.solver.correct(&mut self.work.x);
             watch.lap(&mut self.statistics.seconds.solve);
             let size = self.update(h);
             self.statistics.newton_iterations += 1;

@@ -39,6 +39,17 @@ pub trait LinearSolver: Send {
     /// Overwrites `x` (right-hand side, one number for each unknown) by the solution.
     fn solve(&mut self, x: &mut [f64]);
 
+    /// The same without refinement, where the factors allow it: for corrections inside an iteration that computes its
+    /// own residuals.
+    fn correct(&mut self, x: &mut [f64]) {
+        self.solve(x);
+    }
+
+    /// Number of negative eigenvalues of A, where it is symmetric and its factors tell.
+    fn negative_eigenvalues(&self) -> Option<usize> {
+        None
+    }
+
     /// The same with the transpose of A.
     fn solve_transposed(&mut self, x: &mut [f64]);
 

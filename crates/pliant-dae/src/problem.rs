@@ -127,6 +127,17 @@ pub trait Problem: Send {
         Ok(())
     }
 
+    /// Whether [`Self::predicted_tangent`] differs from [`Self::tangent`].
+    fn predicts(&self) -> bool {
+        false
+    }
+
+    /// The tangent at rest with the geometric stiffness of predicted forces, those of the linearisation one increment
+    /// ago: `at.v` holds the increment of the coordinates since then, and the weight of damping is 0.
+    fn predicted_tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        self.tangent(at, weights, values);
+    }
+
     /// What is left of the second time derivative of `phi` at a = 0:
     /// `out = (phi_q v)_q v + 2 phi_qt v + phi_tt`.
     fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]);

@@ -3,7 +3,8 @@
 //! The matrix is scaled to unit diagonal on the primal part and to Jacobian rows of unit norm. The multipliers'
 //! diagonal is lowered by a tiny number, so that no order of elimination meets a zero pivot; refinement against the
 //! true matrix removes what this does to the solution. Without pivoting an indefinite primal block may still spoil
-//! the factors: every factorisation is probed by a known solution, and LU takes over where that comes back wrong.
+//! the factors: every factorisation is probed by a known solution, and LU takes over where that comes back wrong. Where
+//! it comes back right at the first attempt, corrections inside iterations do without refinement.
 
 mod factors;
 mod pattern;
@@ -19,6 +20,8 @@ const REGULARISATION: f64 = 1e-9;
 const REFINEMENTS: usize = 4;
 /// Error of the probe's primal unknowns, of size one, above which the factors are useless.
 const PROBE_TOLERANCE: f64 = 1e-4;
+/// Error of all of the probe's unknowns without refinement, below which corrections go without.
+const ROUGH: f64 = 1e-5;
 
 /// Back end for large systems.
 pub(crate) struct Sparse {
@@ -34,6 +37,8 @@ pub(crate) struct Sparse {
     lu: Option<WholeLu>,
     /// Whether the last factorisation was LU.
     by_lu: bool,
+    /// Whether its solutions are near enough without refinement.
+    rough: bool,
     solution: Vec<f64>,
     residual: Vec<f64>,
     right: Vec<f64>,
@@ -80,6 +85,7 @@ impl Sparse {
             ldlt,
             lu: None,
             by_lu: !symmetric,
+            rough: false,
             solution: vec![0.0; n],
             residual: vec![0.0; n],
             right: vec![0.0; n],
@@ -130,9 +136,20 @@ impl Sparse {
         }
     }
 
-    /// Solves for a known solution and returns the worst primal unknown with its error.
+    /// Solves for a known solution; returns the worst primal unknown with its error, and notes whether the solution
+    /// was right at once.
     fn probe(&mut self) -> (usize, f64) {
         let known = |i: usize| if (i * 2_654_435_761) & 64 == 0 { 1.0 } else { -1.0 };
+        let worst = |x: &[f64]| {
+            x.iter().enumerate().fold((0, 0.0), |worst: (usize, f64), (i, x)| {
+                let error = (x - known(i)).abs();
+                match error.is_nan() {
+                    true => (i, f64::INFINITY),
+                    false if error > worst.1 => (i, error),
+                    false => worst,
+                }
+            })
+        };
         let mut x = std::mem::take(&mut self.solution);
         for (i, x) in x.iter_mut().enumerate() {
             *x = known(i);
@@ -140,20 +157,21 @@ impl Sparse {
         let mut b = std::mem::take(&mut self.right);
         b.fill(0.0);
         self.subtract_product(&x, &mut b, false);
-        for b in &mut b {
+        for (x, b) in x.iter_mut().zip(&mut b) {
             *b = -*b;
+            *x = *b;
         }
+        self.apply_factors(&mut x, false);
+        let at_once = worst(&x);
+        self.rough = at_once.1 < ROUGH;
         self.solution = x;
-        self.solve_scaled(&mut b, false);
-        let mut worst = (0, 0.0);
-        for (i, x) in b[..self.velocities].iter().enumerate() {
-            let error = (x - known(i)).abs();
-            if error > worst.1 || error.is_nan() {
-                worst = (i, if error.is_nan() { f64::INFINITY } else { error });
-            }
+        let mut found = at_once;
+        if !self.rough {
+            self.solve_scaled(&mut b, false);
+            found = worst(&b[..self.velocities]);
         }
         self.right = b;
-        worst
+        found
     }
 
     /// `y -= A x` with the true, scaled matrix.
@@ -202,11 +220,15 @@ impl Sparse {
         self.residual = r;
     }
 
-    fn solve_with(&mut self, x: &mut [f64], transposed: bool) {
+    fn solve_with(&mut self, x: &mut [f64], transposed: bool, rough: bool) {
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;
         }
-        self.solve_scaled(x, transposed);
+        if rough {
+            self.apply_factors(x, transposed);
+        } else {
+            self.solve_scaled(x, transposed);
+        }
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;
         }
@@ -252,11 +274,22 @@ impl LinearSolver for Sparse {
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        self.solve_with(x, false);
+        self.solve_with(x, false, false);
+    }
+
+    fn correct(&mut self, x: &mut [f64]) {
+        self.solve_with(x, false, self.rough);
+    }
+
+    fn negative_eigenvalues(&self) -> Option<usize> {
+        match &self.ldlt {
+            Some(ldlt) if !self.by_lu => Some(ldlt.negative_pivots()),
+            _ => None,
+        }
     }
 
     fn solve_transposed(&mut self, x: &mut [f64]) {
-        self.solve_with(x, true);
+        self.solve_with(x, true, false);
     }
 
     fn factor_cost(&self) -> f64 {

@@ -5,11 +5,14 @@
 //! of forces this is independent of units and of stiffness ratios: it lets a slender part bend, although that
 //! first stretches it.
 //!
+//! What is thin, shells, goes by Newton's method with predicted forces first, which needs no damping (`mixed`).
+//!
 //! Newton's method finds equilibria of any kind. Where it fails (a slack line), or finds one that is unstable (a
 //! straight line under compression), the search goes on by the flow of steepest descent `M dq/dtau = -f` from
 //! there, in implicit steps that grow as it settles (pseudo-transient continuation, Kelley & Keyes 1998).
 
 mod descent;
+mod mixed;
 pub mod path;
 mod stability;
 
@@ -79,6 +82,8 @@ const SMALLEST_DAMPING: f64 = 1e-4;
 const NOISE: f64 = 1e5;
 /// Unstable equilibria left, one after the other, before the search is given up.
 const ESCAPES: usize = 8;
+/// Part of a nominal load increment down to which one that fails by predicted forces is cut rather than laboured at.
+const LABOURED: f64 = 0.25;
 /// A null vector is a motion that changes forces by less than this part of what its size could.
 const SINGULAR: f64 = 1e-13;
 
@@ -115,7 +120,8 @@ pub fn solve_static<P: Problem + ?Sized>(
         let step =
             if (rest.abs()) <= (cut * nominal).abs() * (1.0 + 1e-9) { rest } else { cut * nominal };
         let target = if step == rest { options.to } else { load + step };
-        match search.equilibrium(target, step, &q, &lambda_) {
+        let easy = cut > LABOURED && nominal != 0.0;
+        match search.equilibrium(target, step, &q, &lambda_, easy) {
             Ok(point) => {
                 require_met(search.problem, target, &point.q, &dependencies)?;
                 q.clone_from(&point.q);
@@ -199,21 +205,27 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         }
     }
 
-    /// Newton's method, with the flow's help if it fails; then away from there as long as that is unstable.
+    /// Newton's method, with the flow's help if it fails; then away from there as long as that is unstable. Where forces
+    /// can be predicted an `easy` search ends with the method that predicts them.
     fn equilibrium(
         &mut self,
         load: f64,
         step: f64,
         q: &[f64],
         lambda_: &[f64],
+        easy: bool,
     ) -> Result<StaticPoint, Error> {
         self.measure_forces(load, q, lambda_);
         let n = self.zero.len();
         let start = Place { q: q.to_vec(), lambda_: lambda_.to_vec(), moved: vec![0.0; n] };
         let mut place = start.clone();
         let mut iterations = 0;
-        let mut outcome = self.newton(load, step, &mut place, self.exact())?;
-        if matches!(outcome, Outcome::Failed(_)) {
+        let mut outcome = self.search(load, step, &mut place, self.exact())?;
+        if self.problem.predicts() && matches!(outcome, Outcome::Failed(_)) && !easy {
+            place = start.clone();
+            outcome = self.newton(load, step, &mut place, self.exact())?;
+        }
+        if matches!(outcome, Outcome::Failed(_)) && !(easy && self.problem.predicts()) {
             place = start;
             self.descend(load, step, &mut place, None)?;
             outcome = self.newton(load, step, &mut place, self.exact())?;
@@ -278,7 +290,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             if (self.poll)() {
                 return Err(Error::Interrupted { t: load });
             }
-            let dx = match self.correction(load, place, goal.mu) {
+            let dx = match self.correction(load, place, goal.mu, None) {
                 Ok(dx) => dx,
                 Err(error) if error.is_recoverable() => return Ok(Outcome::Failed(error)),
                 Err(error) => return Err(error),
@@ -319,8 +331,15 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         Ok(Outcome::Failed(self.failure(load, step, &increments, worst_unknown)))
     }
 
-    /// Newton's increment `(dq, force_scale dlambda)` with a mass term `mu M`; its matrix stays factorised.
-    fn correction(&mut self, load: f64, place: &Place, mu: f64) -> Result<Vec<f64>, Error> {
+    /// Newton's increment `(dq, force_scale dlambda)` with a mass term `mu M`; its matrix stays factorised. It has the
+    /// forces that were predicted one increment of the coordinates ago where that is given.
+    fn correction(
+        &mut self,
+        load: f64,
+        place: &Place,
+        mu: f64,
+        last: Option<&[f64]>,
+    ) -> Result<Vec<f64>, Error> {
         let mut x = self.right_hand_side(load, place, mu)?;
         let weights = Weights {
             mass: mu * self.force_scale,
@@ -328,9 +347,13 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             stiffness: self.force_scale,
             jacobian: 1.0,
         };
-        let at =
-            Point { t: load, q: &place.q, v: &self.zero, a: &self.zero, lambda_: &place.lambda_ };
-        self.problem.tangent(at, weights, &mut self.values);
+        let v = last.unwrap_or(&self.zero);
+        let at = Point { t: load, q: &place.q, v, a: &self.zero, lambda_: &place.lambda_ };
+        if last.is_some() {
+            self.problem.predicted_tangent(at, weights, &mut self.values);
+        } else {
+            self.problem.tangent(at, weights, &mut self.values);
+        }
         self.solver
             .factor(self.problem.structure(), &self.values)
             .map_err(|e| Error::from_factor(self.problem, load, &e))?;
@@ -408,7 +431,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
     fn null_unknown(&mut self, load: f64, q: &[f64], lambda_: &[f64]) -> Option<usize> {
         let n = self.zero.len();
         let place = Place { q: q.to_vec(), lambda_: lambda_.to_vec(), moved: vec![0.0; n] };
-        match self.correction(load, &place, 0.0) {
+        match self.correction(load, &place, 0.0, None) {
             Err(Error::Singular { unknown, .. }) => return Some(unknown),
             Err(_) => return None,
             Ok(_) => {}

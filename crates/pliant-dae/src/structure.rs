@@ -181,22 +181,42 @@ impl Structure {
 
     /// `y += A x`, with A the sum of the element matrices (its transpose where `transposed`).
     pub fn multiply_add(&self, values: &[f64], x: &[f64], y: &mut [f64], transposed: bool) {
-        let mut unknowns = Vec::with_capacity(24);
+        let mut unknowns = Vec::with_capacity(48);
+        let (mut from, mut to) = (Vec::with_capacity(48), Vec::with_capacity(48));
         for e in 0..self.elements() {
             unknowns.clear();
             unknowns.extend(self.element_unknowns(e));
-            let n = unknowns.len();
-            for i in 0..n {
+            from.clear();
+            from.extend(unknowns.iter().map(|&u| x[u]));
+            to.clear();
+            to.resize(unknowns.len(), 0.0);
+            let slot = self.slots[e];
+            let mut entries = values[slot.base..].iter().step_by(slot.stride);
+            for i in 0..unknowns.len() {
                 let mut sum = 0.0;
-                for j in 0..n {
-                    let a = if transposed {
-                        self.entry(e, n, j, i, values)
-                    } else {
-                        self.entry(e, n, i, j, values)
-                    };
-                    sum += a * x[unknowns[j]];
+                match slot.storage {
+                    Storage::Symmetric => {
+                        for (j, a) in entries.by_ref().take(i + 1).enumerate() {
+                            sum += a * from[j];
+                            if j < i {
+                                to[j] += a * from[i];
+                            }
+                        }
+                    }
+                    Storage::Full => {
+                        for (j, a) in entries.by_ref().take(unknowns.len()).enumerate() {
+                            if transposed {
+                                to[j] += a * from[i];
+                            } else {
+                                sum += a * from[j];
+                            }
+                        }
+                    }
                 }
-                y[unknowns[i]] += sum;
+                to[i] += sum;
+            }
+            for (&u, to) in unknowns.iter().zip(&to) {
+                y[u] += to;
             }
         }
     }

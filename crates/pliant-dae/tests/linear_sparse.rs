@@ -110,3 +110,54 @@ fn redundant_but_consistent_constraints_are_solved_through() {
     let solver = check(&system, SPARSE, 1e-10);
     assert!(solver.describe().contains("LDL"), "{}", solver.describe());
 }
+
+/// Number of negative eigenvalues, by the eigenvalues.
+fn negative(system: &System) -> usize {
+    let structure = &system.structure;
+    let n = structure.unknowns();
+    let mut matrix = nalgebra::DMatrix::<f64>::zeros(n, n);
+    for e in 0..structure.elements() {
+        let unknowns: Vec<usize> = structure.element_unknowns(e).collect();
+        for (i, &row) in unknowns.iter().enumerate() {
+            for (j, &column) in unknowns.iter().enumerate() {
+                matrix[(row, column)] += structure.entry(e, unknowns.len(), i, j, &system.values);
+            }
+        }
+    }
+    matrix.symmetric_eigenvalues().iter().filter(|&&x| x < 0.0).count()
+}
+
+#[test]
+fn pivots_tell_the_inertia() {
+    let mut blocked = Builder::new(3, SOFT);
+    let groups: Vec<usize> = (0..4).map(|_| blocked.group(40)).collect();
+    for pair in groups.windows(2) {
+        let entry = |i: usize, j: usize| ((i * j) as f64).sin() + if i == j { 4.0 } else { 0.0 };
+        blocked.element(pair, (0..6400).map(|k| entry(k / 80, k % 80)).collect());
+    }
+    let mut kinds = Vec::new();
+    for system in
+        [pinned_chain(12, SOFT), net(1, 4, 3, INDEFINITE), net(1, 4, 3, STIFF), blocked.build()]
+    {
+        let mut solver = analyze(&system.structure, SPARSE).unwrap();
+        solver.factor(&system.structure, &system.values).unwrap();
+        assert_eq!(solver.negative_eigenvalues(), Some(negative(&system)), "{}", solver.describe());
+        assert!(negative(&system) > 0);
+        kinds.push(solver.describe());
+    }
+    for kind in ["simplicial", "supernodal"] {
+        assert!(kinds.iter().any(|d| d.contains(kind)), "{kinds:?}");
+    }
+}
+
+#[test]
+fn corrections_are_solutions() {
+    let system = net(1, 4, 3, STIFF);
+    let mut solver = analyze(&system.structure, SPARSE).unwrap();
+    solver.factor(&system.structure, &system.values).unwrap();
+    let (solution, mut x) = right_side(&system, 3, false);
+    solver.correct(&mut x);
+    let error = x.iter().zip(&solution).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    // What the probe allows to remain without refinement, and some for another right-hand side.
+    assert!(error < 1e-3, "{error}");
+}

@@ -91,6 +91,23 @@ pub trait Block: Send + Sync {
     /// tells.
     fn tangent(&self, motion: Motion<'_>, weights: Weights, values: &mut [f64], parallel: bool);
 
+    /// Whether [`Block::predicted_tangent`] differs from [`Block::tangent`].
+    fn predicts(&self) -> bool {
+        false
+    }
+
+    /// The tangent at rest with the geometric stiffness of predicted forces, those of the linearisation one increment
+    /// ago: `motion.v` holds the increment of the coordinates since then.
+    fn predicted_tangent(
+        &self,
+        motion: Motion<'_>,
+        weights: Weights,
+        values: &mut [f64],
+        parallel: bool,
+    ) {
+        self.tangent(motion, weights, values, parallel);
+    }
+
     /// Place of the matrix of element `e` in the values.
     fn slot_of(&self, e: usize) -> Slot;
 

@@ -99,6 +99,25 @@ fn tangent_is_the_derivative_of_the_force() {
 }
 
 #[test]
+fn predicted_tangent_differs_by_the_square_of_the_increment() {
+    each(|kind, law, block, [_, q, direction]| {
+        let rest = vec![0.0; q.len()];
+        let mut tangent = vec![0.0; block.values_len()];
+        block.tangent(Motion { q, v: &rest, a: &rest }, STIFFNESS, &mut tangent, false);
+        let gap = |size: f64| {
+            let increment: Vec<f64> = direction.iter().map(|d| size * d).collect();
+            let mut predicted = vec![0.0; tangent.len()];
+            let motion = Motion { q, v: &increment, a: &rest };
+            block.predicted_tangent(motion, STIFFNESS, &mut predicted, false);
+            predicted.iter().zip(&tangent).map(|(p, t)| (p - t).abs()).fold(0.0, f64::max)
+        };
+        // The forces that a linearisation misses are of second order.
+        let (far, near) = (gap(2e-4), gap(1e-4));
+        assert!(far > 0.0 && (near / far - 0.25).abs() < 0.02, "{kind:?} {law:?}: {near}/{far}");
+    });
+}
+
+#[test]
 fn damping_tangent_is_the_derivative_by_velocities() {
     each(|kind, law, block, [_, q, v]| {
         let motion = Motion { q, v, a: v };

@@ -407,8 +407,26 @@ impl System {
         }
     }
 
-    fn block_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+    /// Tangents of all but the blocks.
+    fn other_tangents(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        self.mass_tangents(weights.mass, values);
+        self.rigid_tangents(weights.mass, values);
+        self.joint_tangents(at, weights, values);
+        self.load_tangents(at, weights.stiffness, values);
+        self.force_tangents(at, weights, values);
+        self.contact_tangents(at, weights, values);
+    }
+
+    /// Tangents of the blocks; where `predicted`, `at.v` is an increment, and velocities are zero.
+    fn block_tangents(
+        &mut self,
+        at: Point<'_>,
+        weights: Weights,
+        predicted: bool,
+        values: &mut [f64],
+    ) {
         let motion = Motion { q: at.q, v: at.v, a: at.a };
+        let rest = if predicted { at.a } else { at.v };
         let weights = elements::Weights {
             mass: weights.mass,
             damping: weights.damping,
@@ -416,7 +434,11 @@ impl System {
         };
         for (block, range) in self.model.blocks.iter_as(&self.wound) {
             let values = &mut values[range.clone()];
-            block.tangent(motion, weights, values, self.parallel);
+            if predicted && block.predicts() {
+                block.predicted_tangent(motion, weights, values, self.parallel);
+            } else {
+                block.tangent(Motion { v: rest, ..motion }, weights, values, self.parallel);
+            }
         }
     }
 
@@ -630,13 +652,20 @@ impl Problem for System {
         self.follow_contact(at.q);
         values.resize(self.structure().values(), 0.0);
         self.memory.note_tangent();
-        self.block_tangents(at, weights, values);
-        self.mass_tangents(weights.mass, values);
-        self.rigid_tangents(weights.mass, values);
-        self.joint_tangents(at, weights, values);
-        self.load_tangents(at, weights.stiffness, values);
-        self.force_tangents(at, weights, values);
-        self.contact_tangents(at, weights, values);
+        self.block_tangents(at, weights, false, values);
+        self.other_tangents(at, weights, values);
+    }
+
+    fn predicts(&self) -> bool {
+        self.model.blocks.iter().any(|(block, _)| block.predicts())
+    }
+
+    /// At rest the accelerations are zeros as long as the velocities.
+    fn predicted_tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+        let _ = self.refresh(at.t);
+        self.memory.note_tangent();
+        self.block_tangents(at, weights, true, values);
+        self.other_tangents(Point { v: at.a, ..at }, weights, values);
     }
 
     /// Lines must not have passed through each other, nor contact have made energy: a step that is long beside its

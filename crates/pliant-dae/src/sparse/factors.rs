@@ -71,6 +71,25 @@ impl Ldlt {
         );
     }
 
+    /// Number of negative pivots: that of negative eigenvalues (Sylvester's law of inertia).
+    pub(super) fn negative_pivots(&self) -> usize {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(factors) => {
+                let starts = factors.col_ptr();
+                let first = starts[..factors.ncols()].iter();
+                first.filter(|&&k| self.values[k as usize] < 0.0).count()
+            }
+            SymbolicCholeskyRaw::Supernodal(factors) => (0..factors.n_supernodes())
+                .map(|s| {
+                    let columns = factors.supernode_end()[s] - factors.supernode_begin()[s];
+                    let rows = (columns + factors.nnz_per_super()[s]) as usize;
+                    let block = &self.values[factors.col_ptr_for_val()[s] as usize..];
+                    (0..columns as usize).filter(|j| block[j * (rows + 1)] < 0.0).count()
+                })
+                .sum(),
+        }
+    }
+
     /// Number of stored entries, and whether columns are treated in blocks.
     pub(super) fn size(&self) -> (usize, bool) {
         let blocked = matches!(self.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_));

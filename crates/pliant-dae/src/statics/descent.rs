@@ -87,7 +87,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             let mut trial = place.clone();
             trial.moved.fill(0.0);
             let goal = Goal { mu, tolerance: TOLERANCE, iterations: ITERATIONS };
-            let iterations = match self.newton(load, step, &mut trial, goal)? {
+            let iterations = match self.search(load, step, &mut trial, goal)? {
                 // Downhill on average, or up onto the constraints.
                 Outcome::Equilibrium { iterations, .. } if self.falls(load, &before, &trial)? => {
                     iterations

@@ -231,7 +231,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let mut place = Place { q: q.to_vec(), lambda_: lambda_.to_vec(), moved: vec![0.0; n] };
         let StaticOptions { from, to, .. } = options.equilibrium;
         let step = options.largest_load.min((to - from).abs()) * (to - from).signum();
-        let at_rest = self.newton(from, step, &mut place, self.exact())?;
+        let at_rest = self.search(from, step, &mut place, self.exact())?;
         let started = match at_rest {
             super::Outcome::Equilibrium { last_increment, iterations } => {
                 let rises = vec![0.0; n];
@@ -244,7 +244,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             Err(error) if error.is_recoverable() => {
                 // A slack line has no stiffness without its load.
                 let load = from + 0.1 * step;
-                let point = self.equilibrium(load, step, q, lambda_)?;
+                let point = self.equilibrium(load, step, q, lambda_, false)?;
                 let place = Place { q: point.q, lambda_: point.lambda_, moved: vec![0.0; n] };
                 let rises = vec![0.0; n];
                 self.station(place, load, &rises, 1.0, point.iterations, point.last_increment)
@@ -265,7 +265,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
     ) -> Result<Station, Error> {
         let n = self.zero.len();
         place.moved.fill(0.0);
-        self.correction(load, &place, 0.0)?;
+        self.correction(load, &place, 0.0, None)?;
         let mut tangent = self.load_rate(load, &place)?;
         self.solver.solve(&mut tangent);
         let norm = (self.product(&tangent[..n], &tangent[..n]) + 1.0).sqrt();
@@ -326,8 +326,10 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         self.add(&mut place, tangent, length);
         let mut now = load + length * rate;
         let mut sizes: Vec<f64> = Vec::new();
+        let predicts = self.problem.predicts();
+        let mut last: Vec<f64> = tangent[..n].iter().map(|t| length * t).collect();
         while sizes.len() < ITERATIONS {
-            let dx = self.correction(now, &place, 0.0)?;
+            let dx = self.correction(now, &place, 0.0, predicts.then_some(&last[..]))?;
             let mut along = self.load_rate(now, &place)?;
             self.solver.solve(&mut along);
             let off = self.product(&tangent[..n], &place.moved) + rate * (now - load) - length;
@@ -343,6 +345,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                 break;
             }
             self.add(&mut place, &step, 1.0);
+            last.copy_from_slice(&step[..n]);
             now += dload;
             let noise = size > 0.5 * previous && size <= NOISE * self.options.tolerance;
             if size <= self.options.tolerance || noise {

@@ -228,7 +228,39 @@ pub(super) fn residual<S: Simd, const W: usize, const R: usize>(
     f
 }
 
-/// Rows and second derivatives at all points.
+/// Resultants at `here` as the linearisation one `increment` ago predicts them, for each area of the point.
+#[inline(always)]
+fn predict<const R: usize>(
+    block: &SurfaceBlock,
+    h: f64,
+    here: &Vectors<f64>,
+    increment: &Vectors<f64>,
+    reference: [f64; 3],
+    areas: [f64; 2],
+) -> [Voigt<f64>; 2] {
+    let then = Vectors {
+        a: std::array::from_fn(|k| here.a[k] - increment.a[k]),
+        h: std::array::from_fn(|k| here.h[k] - increment.h[k]),
+    };
+    let ([e, k], [de, dk]) = if R == 5 {
+        let frame = Frame::new(&then, reference);
+        ([frame.membrane, frame.bending], frame.rates(&then, increment))
+    } else {
+        let rates = membrane_rates(&then.a, &increment.a);
+        ([membrane_strain(&then.a), [0.0; 3]], [rates, [0.0; 3]])
+    };
+    let [mut n, mut m] = block.law.material.resultants(h, e, k);
+    let d = block.law.material.stiffness(h, e, k);
+    for i in 0..3 {
+        for j in 0..3 {
+            n[i] += d[i][j] * de[j] + d[i][3 + j] * dk[j];
+            m[i] += d[3 + i][j] * de[j] + d[3 + i][3 + j] * dk[j];
+        }
+    }
+    [n.map(|n| areas[0] * n), m.map(|m| areas[1] * m)]
+}
+
+/// Rows and second derivatives at all points; where `predicted`, `motion.v` is an increment.
 #[inline(always)]
 fn linearise<S: Simd, const W: usize, const R: usize>(
     simd: S,
@@ -236,17 +268,19 @@ fn linearise<S: Simd, const W: usize, const R: usize>(
     e: usize,
     motion: Motion<'_>,
     weights: Weights,
+    predicted: bool,
     scratch: &mut Scratch,
 ) {
     let (table, offsets, h) = block.element(e);
     let Scratch { x, v, rows, hessians, .. } = scratch;
     contract(simd, table, &gather::<W>(offsets, motion.q), x);
-    if block.is_damped() {
+    let moving = predicted || block.is_damped();
+    if moving {
         contract(simd, table, &gather::<W>(offsets, motion.v), v);
     }
     for p in 0..table.points {
         let here = vectors::<R>(x, p);
-        let rate = if block.is_damped() { Some(vectors::<R>(v, p)) } else { None };
+        let rate = if moving { Some(vectors::<R>(v, p)) } else { None };
         let [membrane, bending] = table.areas[p];
         let scaled = |e: Voigt<f64>, k: Voigt<f64>| {
             let mut d = block.law.material.stiffness(h, e, k);
@@ -277,12 +311,16 @@ fn linearise<S: Simd, const W: usize, const R: usize>(
         }
         if R == 5 {
             let frame = Frame::new(&here, table.curvature[p]);
-            let rates = match rate {
-                Some(rate) => Some(frame.rates(&here, &rate)),
-                None => None,
-            };
             let strains = [frame.membrane, frame.bending];
-            let [n, m] = resultants(block, h, strains, rates, geometric);
+            let [n, m] = match rate {
+                Some(d) if predicted => {
+                    predict::<R>(block, h, &here, &d, table.curvature[p], geometric)
+                }
+                Some(rate) => {
+                    resultants(block, h, strains, Some(frame.rates(&here, &rate)), geometric)
+                }
+                None => resultants(block, h, strains, None, geometric),
+            };
             let d = scaled(frame.membrane, frame.bending);
             hessian(&frame, &here, n, m, &d, &mut hessians[p]);
             for k in 0..3 {
@@ -302,11 +340,14 @@ fn linearise<S: Simd, const W: usize, const R: usize>(
             }
         } else {
             let strain = [membrane_strain(&here.a), [0.0; 3]];
-            let rates = match rate {
-                Some(rate) => Some([membrane_rates(&here.a, &rate.a), [0.0; 3]]),
-                None => None,
+            let [n, _] = match rate {
+                Some(d) if predicted => predict::<R>(block, h, &here, &d, [0.0; 3], geometric),
+                Some(rate) => {
+                    let rates = [membrane_rates(&here.a, &rate.a), [0.0; 3]];
+                    resultants(block, h, strain, Some(rates), geometric)
+                }
+                None => resultants(block, h, strain, None, geometric),
             };
-            let [n, _] = resultants(block, h, strain, rates, geometric);
             let d = scaled(strain[0], strain[1]);
             membrane_hessian(&here.a, n, &d, &mut hessians[p]);
         }
@@ -324,10 +365,11 @@ pub(super) fn tangent<S: Simd, const W: usize, const R: usize>(
     e: usize,
     motion: Motion<'_>,
     weights: Weights,
+    predicted: bool,
     scratch: &mut Scratch,
     out: &mut [f64],
 ) {
-    linearise::<S, W, R>(simd, block, e, motion, weights, scratch);
+    linearise::<S, W, R>(simd, block, e, motion, weights, predicted, scratch);
     let (table, offsets, h) = block.element(e);
     let n = offsets.len();
     let count = R * table.points;

@@ -103,6 +103,28 @@ impl SurfaceBlock {
         (&self.tables[self.table_of[e] as usize], self.vectors_of(e), self.thickness[e])
     }
 
+    fn tangents(
+        &self,
+        motion: Motion<'_>,
+        weights: Weights,
+        predicted: bool,
+        values: &mut [f64],
+        parallel: bool,
+    ) {
+        let arch = Arch::new();
+        let task = TASK * self.entries();
+        let values = &mut values[..self.element_count() * self.entries()];
+        let part = |first, values: &mut [f64]| {
+            arch.dispatch(Tangent { block: self, motion, weights, predicted, first, values });
+        };
+        if parallel && self.element_count() > TASK {
+            let parts = values.par_chunks_mut(task).enumerate();
+            parts.for_each(|(k, values)| part(k * TASK, values));
+        } else {
+            part(0, values);
+        }
+    }
+
     /// Numbers of the nodal vectors that are positions.
     fn positions(&self) -> std::iter::StepBy<std::ops::Range<usize>> {
         (0..self.kind.vectors()).step_by(self.kind.vectors_per_node())
@@ -166,6 +188,8 @@ struct Tangent<'a> {
     block: &'a SurfaceBlock,
     motion: Motion<'a>,
     weights: Weights,
+    /// Whether the motion's velocities are an increment, and forces are predicted by it.
+    predicted: bool,
     first: usize,
     values: &'a mut [f64],
 }
@@ -181,10 +205,11 @@ impl WithSimd for Tangent<'_> {
 
 #[inline(always)]
 fn tangents<S: Simd, const W: usize, const R: usize>(simd: S, task: Tangent<'_>) {
-    let Tangent { block, motion, weights, first, values } = task;
+    let Tangent { block, motion, weights, predicted, first, values } = task;
     let mut scratch = Box::<Scratch>::default();
     for (k, out) in values.chunks_exact_mut(block.entries()).enumerate() {
-        kernel::tangent::<S, W, R>(simd, block, first + k, motion, weights, &mut scratch, out);
+        let e = first + k;
+        kernel::tangent::<S, W, R>(simd, block, e, motion, weights, predicted, &mut scratch, out);
     }
 }
 
@@ -244,16 +269,21 @@ impl Block for SurfaceBlock {
     }
 
     fn tangent(&self, motion: Motion<'_>, weights: Weights, values: &mut [f64], parallel: bool) {
-        let arch = Arch::new();
-        let task = TASK * self.entries();
-        let values = &mut values[..self.element_count() * self.entries()];
-        if parallel && self.element_count() > TASK {
-            values.par_chunks_mut(task).enumerate().for_each(|(k, values)| {
-                arch.dispatch(Tangent { block: self, motion, weights, first: k * TASK, values });
-            });
-        } else {
-            arch.dispatch(Tangent { block: self, motion, weights, first: 0, values });
-        }
+        self.tangents(motion, weights, false, values, parallel);
+    }
+
+    fn predicts(&self) -> bool {
+        true
+    }
+
+    fn predicted_tangent(
+        &self,
+        motion: Motion<'_>,
+        weights: Weights,
+        values: &mut [f64],
+        parallel: bool,
+    ) {
+        self.tangents(motion, weights, true, values, parallel);
     }
 
     fn slot_of(&self, e: usize) -> Slot {
