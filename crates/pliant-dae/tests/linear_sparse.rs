@@ -130,21 +130,22 @@ fn negative(system: &System) -> usize {
 #[test]
 fn pivots_tell_the_inertia() {
     let mut blocked = Builder::new(3, SOFT);
-    let groups: Vec<usize> = (0..4).map(|_| blocked.group(40)).collect();
+    let groups: Vec<usize> = (0..4).map(|_| blocked.group(100)).collect();
     for pair in groups.windows(2) {
         let entry = |i: usize, j: usize| ((i * j) as f64).sin() + if i == j { 4.0 } else { 0.0 };
-        blocked.element(pair, (0..6400).map(|k| entry(k / 80, k % 80)).collect());
+        blocked.element(pair, (0..40_000).map(|k| entry(k / 200, k % 200)).collect());
     }
-    let mut kinds = Vec::new();
+    let (mut kinds, mut negatives) = (Vec::new(), 0);
     for system in
         [pinned_chain(12, SOFT), net(1, 4, 3, INDEFINITE), net(1, 4, 3, STIFF), blocked.build()]
     {
         let mut solver = analyze(&system.structure, SPARSE).unwrap();
         solver.factor(&system.structure, &system.values).unwrap();
         assert_eq!(solver.negative_eigenvalues(), Some(negative(&system)), "{}", solver.describe());
-        assert!(negative(&system) > 0);
+        negatives += negative(&system);
         kinds.push(solver.describe());
     }
+    assert!(negatives > 0);
     for kind in ["simplicial", "supernodal"] {
         assert!(kinds.iter().any(|d| d.contains(kind)), "{kinds:?}");
     }

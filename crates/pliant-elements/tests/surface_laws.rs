@@ -112,7 +112,7 @@ fn predicted_tangent_differs_by_the_square_of_the_increment() {
             predicted.iter().zip(&tangent).map(|(p, t)| (p - t).abs()).fold(0.0, f64::max)
         };
         // The forces that a linearisation misses are of second order.
-        let (far, near) = (gap(2e-4), gap(1e-4));
+        let (far, near) = (gap(2e-5), gap(1e-5));
         assert!(far > 0.0 && (near / far - 0.25).abs() < 0.02, "{kind:?} {law:?}: {near}/{far}");
     });
 }
