@@ -1,9 +1,10 @@
 """A square sheet falls, pinned at a corner: pliant's shells beside Exudyn's `ANCFThinPlate`.
 
-The sheet (1 m x 1 m x 10 mm, 1 MPa, nu = 0.3, 1000 kg/m^3) starts flat, horizontal and at rest. Both programs use
-generalized-alpha with spectral radius 0.9, steps of 1 ms, one thread, and count the CPU time of the run without
-assembly. Exudyn's plate has 36 coordinates, as pliant's `"plate"`; pliant's `"bicubic"` has 48. Exudyn runs in its own
-environment (`make bench-exudyn`), with full integration and with its reduced one, which is the faster.
+The sheet (1 m x 1 m x 10 mm, 1 MPa, nu = 0.3, 1000 kg/m^3) starts flat, horizontal and at rest. Both
+programs use generalized-alpha with spectral radius 0.9, steps of 1 ms, one thread, and count the CPU time
+of the run without assembly. Exudyn's plate has 36 coordinates, as pliant's `"plate"`; pliant's `"bicubic"`
+has 48. Exudyn runs in its own environment (`make bench-exudyn`), with full integration and with its reduced
+one, which is the faster.
 
     python benchmarks/falling_sheet.py --exudyn .venv-exudyn/bin/python
 """

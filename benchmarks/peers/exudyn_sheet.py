@@ -1,8 +1,9 @@
 """Exudyn's side of falling_sheet.py: in Exudyn's own environment, one JSON line a run on standard output.
 
-Exudyn is shown at its best: its fast module (no range checks, AVX2), sparse LU, modified Newton, one thread, no
-files, no sensors, gravity as consistent nodal forces (a mass-proportional load is evaluated by every element at
-every iteration), Jacobians kept until Newton contracts badly. Only the run is timed, not the assembly.
+Exudyn is shown at its best: its fast module (no range checks, AVX2), sparse LU, modified Newton, one
+thread, no files, no sensors, gravity as consistent nodal forces (a mass-proportional load is evaluated by
+every element at every iteration), Jacobians kept until Newton contracts badly. Only the run is timed, not
+the assembly.
 """
 
 import argparse

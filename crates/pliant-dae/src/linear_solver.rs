@@ -109,6 +109,14 @@ impl LinearSolver for Following {
         self.solver.solve(x);
     }
 
+    fn correct(&mut self, x: &mut [f64]) {
+        self.solver.correct(x);
+    }
+
+    fn negative_eigenvalues(&self) -> Option<usize> {
+        self.solver.negative_eigenvalues()
+    }
+
     fn solve_transposed(&mut self, x: &mut [f64]) {
         self.solver.solve_transposed(x);
     }

@@ -134,7 +134,7 @@ pub trait Problem: Send {
 
     /// The tangent at rest with the geometric stiffness of predicted forces, those of the linearisation one increment
     /// ago: `at.v` holds the increment of the coordinates since then, and the weight of damping is 0.
-    fn predicted_tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+    fn predicted_tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut Vec<f64>) {
         self.tangent(at, weights, values);
     }
 

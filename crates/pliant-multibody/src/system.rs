@@ -661,8 +661,10 @@ impl Problem for System {
     }
 
     /// At rest the accelerations are zeros as long as the velocities.
-    fn predicted_tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut [f64]) {
+    fn predicted_tangent(&mut self, at: Point<'_>, weights: Weights, values: &mut Vec<f64>) {
         let _ = self.refresh(at.t);
+        self.follow_contact(at.q);
+        values.resize(self.structure().values(), 0.0);
         self.memory.note_tangent();
         self.block_tangents(at, weights, true, values);
         self.other_tangents(Point { v: at.a, ..at }, weights, values);
