@@ -19,6 +19,7 @@ from pliant.contacts import HalfSpace
 from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.friction import Coulomb, LuGre, lugre
+from pliant.gas import Gas
 from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff, youngs_modulus_from_shore_a
 from pliant.mesh import Mesh
 from pliant.model import Model
@@ -61,6 +62,7 @@ __all__ = [
     "Edge",
     "Faces",
     "FileError",
+    "Gas",
     "HalfSpace",
     "Input",
     "Joint",

@@ -11,10 +11,11 @@ import numpy as np
 from pliant import _check
 from pliant._drives import Drives
 from pliant.bodies import LineBody
-from pliant.forces import Tendon, Wind
+from pliant.forces import SheetWind, Tendon, Wind
 from pliant.loads import MovingForce
 from pliant.points import Handle, Load, Point
 from pliant.signals import Constant, Signal, Table, as_signal
+from pliant.surfaces import Faces, Membrane, Shell
 from pliant.typing import ArrayLike
 
 __all__ = ["Actuation"]
@@ -159,26 +160,30 @@ class Actuation(Drives):
         *,
         name: str | None = None,
     ) -> Load:
-        """Add wind, or any fluid that flows by: drag and lift of the flow across a cable.
+        """Add wind, or any fluid that flows by: drag and lift on a cable or on faces of a surface.
 
-        Per length, with the velocity n of the flow relative to the line and across it, and the diameter D of
-        the section: drag ``density/2 drag D |n| n`` and lift ``density/2 lift D |n| t x n``, t the tangent.
-        Flow along the line does nothing.
+        On a cable, per length, with the velocity n of the flow relative to the line and across it, and the
+        diameter D of the section: drag ``density/2 drag D |n| n`` and lift ``density/2 lift D |n| t x n``, t
+        the tangent. Flow along the line does nothing.
+
+        On a surface, per area, with the relative velocity w at the angle alpha to the surface: drag along w
+        with the coefficient ``drag sin(alpha)**2`` and lift normal to w with ``lift sin(alpha) cos(alpha)``.
+        Without ``lift``, which is ``drag`` then, the flow presses along the normal alone.
 
         Parameters
         ----------
-        body : Cable or CableNet
-            The body.
+        body : Cable, CableNet, Shell, Membrane or Faces
+            The body, or ``sheet.faces(select)``.
         velocity : array_like, shape (3,), callable, Table, product with a Ramp, or Input
             Velocity of the fluid [m/s], (0, 0, 0) for air at rest.
         density : float
             Density of the fluid [kg/m^3], above 0.
         drag : float
-            Drag coefficient, from 0 on; about 1.1 for a round line.
+            Drag coefficient, from 0 on; about 1.1 for a round line, 1.2 for a square plate across the flow.
         lift : float, callable or Table, optional
-            Lift coefficient, or one over the angle of attack [rad]: from the velocity at t = 0 to that of the
-            flow relative to the line, both seen along the tangent and positive about it. A callable is
-            sampled.
+            Lift coefficient. On cables also one over the angle of attack [rad], from the velocity at t = 0 to
+            that of the flow relative to the line, both seen along the tangent and positive about it; a
+            callable is sampled. On surfaces a number from 0 on; by default that of ``drag``.
 
         Examples
         --------
@@ -190,10 +195,18 @@ class Actuation(Drives):
         >>> model.add_wind(line, (8, 0, 0), density=1.2, drag=1.1).name
         'wind1'
         """
+        value = as_signal(velocity, "velocity", 3)
+        if isinstance(body, (Shell, Membrane, Faces)):
+            drag = _check.number(drag, "drag", at_least=0)
+            if lift is not None:
+                lift = _check.number(lift, "lift", at_least=0)
+            faces = self._one_part(body, "body")
+            density = _check.number(density, "density", above=0)
+            force = drag if lift is None else lift
+            return self._add_load(SheetWind(self._new_name(name, "wind"), faces, value, density, drag, force))
         data = self._body(body, "body")
         if not isinstance(data, LineBody):
-            _check.fail("body", body, "wind acts on cables and nets of cables so far")
-        value = as_signal(velocity, "velocity", 3)
+            _check.fail("body", body, "wind acts on cables, nets of cables, shells and membranes")
         self._require_in_plane(data, value, "velocity")
         return self._add_load(
             Wind(

@@ -12,7 +12,8 @@ from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import ModelError
-from pliant.forces import ForceData, Wind
+from pliant.forces import ON_FACES, ForceData, Wind
+from pliant.gas import Chamber
 from pliant.joints import Clamp, DriveForce, EdgeJoint, JointData, SlideCable, Sprung, acting_along
 from pliant.latches import Latch
 from pliant.loads import LineLoad, LoadData, MovingForce, Pressure, SurfaceLoad
@@ -129,8 +130,13 @@ class Contents:
         for load in self._loads.values():
             if isinstance(load, ForceData):
                 places += [(point, (Point, WorldPoint)) for point in load.points()]
+                if isinstance(load, ON_FACES):
+                    self._verify_part(load.faces, load.name)
                 if isinstance(load, Wind) and not isinstance(self._bodies[load.body], LineBody):
                     raise ModelError(f"load '{load.name}': '{load.body}' is no cable")
+            elif isinstance(load, Chamber):
+                for part in load.faces:
+                    self._verify_part(part, load.name)
             elif isinstance(load, SurfaceLoad):
                 self._verify_part(load.faces if isinstance(load, Pressure) else load.edge, load.name)
             elif not isinstance(load, (LineLoad, MovingForce)):
@@ -232,6 +238,28 @@ class Contents:
         if handle.name not in self._bodies:
             _check.fail(name, handle, f"this model has no body '{handle.name}'")
         return self._bodies[handle.name]
+
+    def _one_part(self, body: Any, name: str) -> Faces:
+        """Faces of one surface: of a body, or chosen."""
+        if isinstance(body, (Shell, Membrane)):
+            self._body(body, name)
+            body = body.faces()
+        if not isinstance(body, Faces):
+            _check.fail(name, body, "must be a shell, a membrane or sheet.faces(...)")
+        self._check_part(body, name)
+        return body
+
+    def _check_part(self, part: Edge | Faces, name: str) -> None:
+        if part.identity != self._identity:
+            raise ModelError(
+                f"{name} = {part}: belongs to another model; model[name] gives the handle of this one"
+            )
+        body = self._bodies.get(part.body)
+        if not isinstance(body, SurfaceBody):
+            _check.fail(name, str(part), f"this model has no surface '{part.body}'")
+        highest = max(part.nodes) if isinstance(part, Edge) else max(part.numbers)
+        if highest >= (body.nodes if isinstance(part, Edge) else body.elements):
+            _check.fail(name, str(part), f"'{part.body}' of this model has another mesh")
 
     def _point(self, value: Any, name: str) -> Point:
         if isinstance(value, (PointMass, RigidBody)):

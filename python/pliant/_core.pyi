@@ -64,6 +64,8 @@ class System:
         """First number among the outputs and number of numbers of each force, (k, 2)."""
     def redundant(self) -> list[tuple[str, int, list[str]]]:
         """Joints with equations that follow from others at the start: joint, how many, from which joints."""
+    def chamber_outputs(self) -> IntArray:
+        """First number among the outputs of each chamber: absolute pressure, volume, mass, (k,)."""
     def joint_outputs(self) -> IntArray:
         """For each joint the first of six numbers among the outputs (force and moment of a drive) and the
         number of its freedom's value, (k, 2); -1 where there is none."""

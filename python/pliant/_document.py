@@ -13,6 +13,7 @@ from pliant.contacts import ContactData, HalfSpace, ObstacleData
 from pliant.errors import ModelError
 from pliant.forces import FORCES
 from pliant.friction import Coulomb, LuGre
+from pliant.gas import Chamber, Gas
 from pliant.joints import JOINTS
 from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, MovingForce, Pressure
 from pliant.points import Point, WorldPoint
@@ -32,6 +33,8 @@ KINDS: Mapping[str, type[Any]] = {
         EdgeLoad,
         EdgeMoment,
         Pressure,
+        Chamber,
+        Gas,
         MassBody,
         RigidBodyData,
         *SHAPES,

@@ -12,10 +12,11 @@ from pliant._lookup import Lookup
 from pliant.bodies import GAUSS_5, MassBody, element_masses, hermite
 from pliant.errors import translated
 from pliant.forces import ForceData, Spring, Tendon
+from pliant.gas import Chamber
 from pliant.joints import EdgeJoint
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Load, require_handle
-from pliant.readings import Reaction, SpringForce, Strain, SurfaceStrain, TendonForce
+from pliant.readings import ChamberGas, Reaction, SpringForce, Strain, SurfaceStrain, TendonForce
 from pliant.records import by_blocks
 from pliant.signals import scaled
 from pliant.typing import FloatArray
@@ -124,6 +125,30 @@ class Forces(Lookup):
         numbers = self._outputs(tendon, Tendon, "tendon", "a tendon of the model")
         return TendonForce(numbers[0], numbers[1], np.ascontiguousarray(numbers[1:].T))
 
+    def chamber(self, chamber: Load) -> ChamberGas:
+        """Gas in a chamber.
+
+        Parameters
+        ----------
+        chamber : Load
+            Handle that ``add_chamber`` returned.
+
+        Returns
+        -------
+        ChamberGas
+            Absolute ``pressure`` [Pa], ``volume`` [m^3], ``mass`` [kg] and ``temperature`` [K], each (n,).
+        """
+        if not isinstance(chamber, Load):
+            _check.fail("chamber", chamber, "must be a chamber of the model")
+        require_handle(chamber, "chamber", self.model.identity)
+        data = self.model._loads.get(chamber.name)
+        if not isinstance(data, Chamber):
+            _check.fail("chamber", chamber, "must be a chamber of the model")
+        first = int(self._system.chamber_outputs()[self._lowered.chambers[chamber.name]])
+        pressure, volume, mass = np.ascontiguousarray(self._records.outputs[:, first : first + 3].T)
+        density = np.divide(mass, volume, out=np.full(len(mass), data.gas.density), where=volume > 0)
+        return ChamberGas(pressure, volume, mass, pressure / (data.gas.gas_constant * density))
+
     def _outputs(self, load: object, kind: type[ForceData], name: str, what: str) -> FloatArray:
         """Numbers that a force of this kind shows, one a row, (numbers, n)."""
         if not isinstance(load, Load):
@@ -168,7 +193,7 @@ class Forces(Lookup):
                 elif isinstance(load, Force) and load.at.body == name:
                     first, shape = self._body(name).shape(load.at.element, load.at.xi)
                     weight += float(shape[0] if first == node else shape[2] if first + 1 == node else 0.0)
-            if weight != 0.0 and not isinstance(load, ForceData):
+            if weight != 0.0 and isinstance(load, (LineLoad, Force)):
                 grown = factor if grows is None or load.name in grows else full
                 values = [
                     scaled(load.value, float(t), float(f), self._held(i))

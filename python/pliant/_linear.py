@@ -41,7 +41,8 @@ def smallest_eigenvalues(linear: Any, n: int, count: int) -> tuple[Any, Any]:
 
     mass, damping, stiffness = (matrix(name)[:n, :n] for name in ("mass", "damping", "stiffness"))
     jacobian = matrix("jacobian")[n:, :n]
-    pencil = (mass, damping, stiffness, jacobian)
+    borders = sparse.csc_matrix(np.reshape(linear["borders"], (-1, n)))
+    pencil = (mass, damping, stiffness, jacobian, borders)
     scale = np.sqrt(abs(stiffness).max() / abs(mass).max()) if stiffness.nnz else 1.0
     found = _at_shift(pencil, 0.0, count)
     free = 0.0
@@ -118,7 +119,8 @@ def _dense(pencil: Any, shift: float) -> Solve | None:
     """Invert on the null space of the constraints."""
     from scipy import linalg
 
-    mass, damping, stiffness, jacobian = pencil
+    mass, damping, stiffness, jacobian, borders = pencil
+    stiffness = stiffness + borders.T @ borders
     n = mass.shape[0]
     z = np.eye(n)
     if jacobian.shape[0]:
@@ -142,12 +144,14 @@ def _sparse(pencil: Any, shift: float) -> Solve | None:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    mass, damping, stiffness, jacobian = pencil
-    n, m = mass.shape[0], jacobian.shape[0]
+    mass, damping, stiffness, jacobian, borders = pencil
+    n, m = mass.shape[0], jacobian.shape[0] + borders.shape[0]
     inner = shift**2 * mass + shift * damping + stiffness
     largest = abs(inner).max()
-    slack = -REDUNDANT / largest * sparse.identity(m)
-    whole = sparse.bmat([[inner, jacobian.T], [jacobian, slack]]) if m else inner
+    slack = -REDUNDANT / largest * sparse.identity(jacobian.shape[0])
+    one = -sparse.identity(borders.shape[0])
+    rows = [[inner, jacobian.T, borders.T], [jacobian, slack, None], [borders, None, one]]
+    whole = sparse.bmat(rows) if m else inner
     try:
         factors = splu(sparse.csc_matrix(whole))
     except RuntimeError:

@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant._closure import Closure
 from pliant._edges import EdgeEquations, is_held
-from pliant._lowered import BodyState, Input, Lowered, numbers_of, signals_of
+from pliant._lowered import BodyState, Input, Lowered, is_load, numbers_of, signals_of
 from pliant._sharing import Sharing
 from pliant._stops import stops
 from pliant.bodies import LineBody
 from pliant.contacts import ContactData, arc, knots
 from pliant.errors import ModelError
-from pliant.forces import ForceData, Wind
+from pliant.forces import ON_FACES, ForceData, Wind
+from pliant.gas import Chamber
 from pliant.joints import (
     Clamp,
     Cylindrical,
@@ -71,12 +73,24 @@ EQUATIONS: dict[type, int] = {
 KINDS: dict[type, str] = {SlideLine: "slide_line"}
 
 
-def lower(model: Model, state: Mapping[str, BodyState] | None = None) -> Lowered:
-    """Lower a model; ``state`` is the state that the run begins with, where it is not the model's own."""
-    return _Lowering(model, state).run()
+def lower(
+    model: Model,
+    state: Mapping[str, BodyState] | None = None,
+    gas: Mapping[str, float] | None = None,
+) -> Lowered:
+    """Lower a model.
+
+    ``state`` is the state that the run begins with, where it is not the model's own, ``gas`` the masses in
+    its chambers.
+    """
+    lowering = _Lowering(model, state)
+    lowering.gas = gas or {}
+    return lowering.run()
 
 
 class _Lowering(Sharing):
+    gas: Mapping[str, float]
+
     def run(self) -> Lowered:
         out = self.lowered
         self._number_inputs()
@@ -112,11 +126,10 @@ class _Lowering(Sharing):
             ],
             "joints": joints,
             "latches": self._latches(),
-            "loads": [
-                self._load(load) for load in self.model._loads.values() if not isinstance(load, ForceData)
-            ],
+            "loads": [self._load(load) for load in self.model._loads.values() if is_load(load)],
             "forces": self._forces(),
             "contacts": [self._contact(contact) for contact in self.model._contacts.values()],
+            "chambers": self._chambers(),
         }
         out.multipliers = 6 * len(self.rigid) + sum(
             self._equations(joint)
@@ -384,7 +397,11 @@ class _Lowering(Sharing):
             if isinstance(force, Wind):
                 entries["cable"] = self.lowered.cables[force.body]
                 entries["diameters"] = (2.0 * self.lines[force.body].radius).tolist()
-            documents.append({"kind": type(force).__name__.lower(), **entries})
+            if isinstance(force, ON_FACES):
+                entries["surface"] = self.lowered.surfaces[force.faces.body]
+                entries["faces"] = self._array(np.array(force.faces.numbers, dtype=np.float64))
+            kind = getattr(force, "kind", type(force).__name__.lower())
+            documents.append({"kind": kind, **entries})
         for name, joint in self.model._joints.items():
             along: Json
             if isinstance(joint, Sprung) and joint.is_sprung:
@@ -398,6 +415,26 @@ class _Lowering(Sharing):
             along["joint"] = self.lowered.plan[along["joint"]]["index"]
             self.lowered.forces[name] = len(documents)
             documents.append({"kind": "joint", "name": name, **along})
+        return documents
+
+    def _chambers(self) -> list[Json]:
+        documents: list[Json] = []
+        for name, chamber in self.model._loads.items():
+            if not isinstance(chamber, Chamber):
+                continue
+            closure = Closure(self.model, chamber.faces, name)
+            closure.require_joined()
+            self.lowered.chambers[name] = len(documents)
+            documents.append(
+                {
+                    "name": name,
+                    **closure.document(self.lowered.surfaces, self._array),
+                    "gas": dataclasses.asdict(chamber.gas),
+                    "mass": self.gas.get(name),
+                    "inflow": self._signal(chamber.inflow, name) if chamber.flows else None,
+                    "ambient": chamber.ambient,
+                }
+            )
         return documents
 
     def _plain(self, value: Any, name: str) -> Any:

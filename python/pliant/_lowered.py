@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pliant.bodies import LineBody
+from pliant.forces import ForceData
+from pliant.gas import Chamber
 from pliant.rigid import RigidBodyData
 from pliant.signals import Function, Signal
 from pliant.surfaces import SurfaceBody
@@ -17,7 +19,7 @@ from pliant.typing import FloatArray, Json
 if TYPE_CHECKING:
     from pliant.model import Model
 
-__all__ = ["BodyState", "Input", "Lowered", "initial_state", "numbers_of", "signals_of"]
+__all__ = ["BodyState", "Input", "Lowered", "initial_state", "is_load", "numbers_of", "signals_of"]
 
 
 class BodyState(NamedTuple):
@@ -60,6 +62,8 @@ class Lowered:
         of each surface.
     forces : dict
         Number of the core's force of each spring.
+    chambers : dict
+        Number of each chamber.
     grows : list of str or None
         What the load factor of a static run acted on: loads, "gravity"; None: everything.
     critical : list
@@ -79,6 +83,7 @@ class Lowered:
     rigid: dict[str, int] = field(default_factory=dict)
     surfaces: dict[str, int] = field(default_factory=dict)
     forces: dict[str, int] = field(default_factory=dict)
+    chambers: dict[str, int] = field(default_factory=dict)
     plan: dict[str, Json] = field(default_factory=dict)
     coordinates: int = 0
     multipliers: int = 0
@@ -107,6 +112,11 @@ class Lowered:
     def held_values(self) -> FloatArray:
         """Initial values of all inputs, one after the other."""
         return np.array([x for _, initial in self.held.values() for x in initial])
+
+
+def is_load(item: Any) -> bool:
+    """Whether the core has a load for it: neither a force with a state of its own nor a chamber."""
+    return not isinstance(item, (ForceData, Chamber))
 
 
 def numbers_of(plan: Json) -> list[int]:

@@ -131,7 +131,10 @@ class Motion(Lookup):
             bodies[name] = BodyState(*rows)
         grows = None if self._lowered.grows is None else tuple(self._lowered.grows)
         at = float(self.time[i])
-        return State(self.model, bodies, self.is_static, at, records.q[i], records.lambda_[i], grows=grows)
+        first = self._system.chamber_outputs() if lowered.chambers else np.zeros(0, dtype=np.int64)
+        gas = {name: float(records.outputs[i][first[k] + 2]) for name, k in lowered.chambers.items()}
+        rows_of = (records.q[i], records.lambda_[i])
+        return State(self.model, bodies, self.is_static, at, *rows_of, grows=grows, gas=gas)
 
     @property
     def energy(self) -> Energy:

@@ -84,7 +84,7 @@ def build(model: Model, state: State | None) -> tuple[Lowered, System]:
             bodies = {
                 name: b._replace(v_r=fresh[name].v_r, v_t=fresh[name].v_t) for name, b in bodies.items()
             }
-    lowered = lower(model, bodies)
+    lowered = lower(model, bodies, None if state is None else state.gas)
     with translated():
         return lowered, _core.System(lowered.spec, lowered.arrays)
 

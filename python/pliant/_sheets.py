@@ -8,7 +8,6 @@ import numpy as np
 
 from pliant import _check
 from pliant._mechanism import Mechanism
-from pliant.errors import ModelError
 from pliant.joints import EdgeJoint, axis_of
 from pliant.loads import EdgeLoad, EdgeMoment, Pressure
 from pliant.materials import Material
@@ -216,14 +215,9 @@ class Sheets(Mechanism):
         >>> model.add_pressure(sheet, 10.0).name
         'pressure1'
         """
-        if isinstance(surface, (Shell, Membrane)):
-            self._body(surface, "surface")
-            surface = surface.faces()
-        if not isinstance(surface, Faces):
-            _check.fail("surface", surface, "must be a shell, a membrane or sheet.faces(...)")
-        self._check_part(surface, "surface")
+        faces = self._one_part(surface, "surface")
         value = as_signal(pressure, "pressure", 1)
-        return self._add_load(Pressure(self._new_name(name, "pressure"), surface, value))
+        return self._add_load(Pressure(self._new_name(name, "pressure"), faces, value))
 
     def add_edge_moment(self, edge: Edge, moment_per_length: Any, *, name: str | None = None) -> Load:
         """Add a moment per stress-free length on an edge of a shell, about the edge.
@@ -284,18 +278,6 @@ class Sheets(Mechanism):
         body = self._bodies[name]
         assert isinstance(body, SurfaceBody)
         return body
-
-    def _check_part(self, part: Edge | Faces, name: str) -> None:
-        if part.identity != self._identity:
-            raise ModelError(
-                f"{name} = {part}: belongs to another model; model[name] gives the handle of this one"
-            )
-        body = self._bodies.get(part.body)
-        if not isinstance(body, SurfaceBody):
-            _check.fail(name, str(part), f"this model has no surface '{part.body}'")
-        highest = max(part.nodes) if isinstance(part, Edge) else max(part.numbers)
-        if highest >= (body.nodes if isinstance(part, Edge) else body.elements):
-            _check.fail(name, str(part), f"'{part.body}' of this model has another mesh")
 
     def _edge(self, edge: object, name: str) -> Edge:
         if isinstance(edge, Handle):

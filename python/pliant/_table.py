@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant.bodies import LineBody
-from pliant.forces import ForceData, Wind
+from pliant.forces import Curvature, ForceData, SheetWind, Wind
+from pliant.gas import Chamber
 from pliant.joints import EdgeJoint, JointData, SlideCable
 from pliant.loads import Force, LineLoad, MovingForce, Pressure, SurfaceLoad
 from pliant.redundancy import redundancies
@@ -105,12 +106,19 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
             part = load.faces if isinstance(load, Pressure) else load.edge
             rows.append((name, _kind(load), f"{_value(load.value)} on {part}"))
             continue
-        if isinstance(load, LineLoad):
+        if isinstance(load, Chamber):
+            enclosed = ", ".join(map(str, load.faces))
+            rows.append((name, "chamber", f"{load.gas.pressure:g} Pa in {enclosed}"))
+        elif isinstance(load, LineLoad):
             rows.append((name, "line load", f"{_value(load.value)} N/m on {load.body}"))
         elif isinstance(load, MovingForce):
             rows.append((name, "moving force", f"{_value(load.value)} N on {load.body}"))
         elif isinstance(load, Wind):
             rows.append((name, "wind", f"{_value(load.velocity)} m/s on {load.body}"))
+        elif isinstance(load, SheetWind):
+            rows.append((name, "wind", f"{_value(load.velocity)} m/s on {load.faces}"))
+        elif isinstance(load, Curvature):
+            rows.append((name, "rest curvature", f"{_value(load.value)} 1/m on {load.faces}"))
         elif isinstance(load, ForceData):
             numbers = (
                 f"{entry.name} {getattr(load, entry.name):g}"

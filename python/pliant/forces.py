@@ -6,13 +6,14 @@ The fields of a force beside its points are those of the core's document.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar
 
 from pliant import _check
 from pliant.points import Point, WorldPoint
 from pliant.signals import Signal, Table
+from pliant.surfaces import Faces
 
-__all__ = ["FORCES", "ForceData", "Spring", "Tendon", "Wind"]
+__all__ = ["FORCES", "ON_FACES", "Curvature", "ForceData", "SheetWind", "Spring", "Tendon", "Wind"]
 
 
 @dataclass(frozen=True)
@@ -143,4 +144,57 @@ class Wind(ForceData):
         }
 
 
-FORCES: tuple[type[ForceData], ...] = (Spring, Tendon, Wind)
+@dataclass(frozen=True)
+class SheetWind(ForceData):
+    """Flow by faces of a surface: velocity [m/s], density [kg/m^3], coefficients of drag and lift."""
+
+    faces: Faces
+    velocity: Signal
+    density: float
+    drag: float
+    lift: float
+
+    kind: ClassVar[str] = "sheet_wind"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_on_faces(self.faces, "velocity", self.velocity)
+        for name in ("density", "drag", "lift"):
+            _check.number(getattr(self, name), name, at_least=0)
+
+    def points(self) -> tuple[Point | WorldPoint, ...]:
+        """Points that it acts on: it acts on faces."""
+        return ()
+
+
+@dataclass(frozen=True)
+class Curvature(ForceData):
+    """A rest curvature (11, 22, 12) of faces of a shell that changes in time [1/m]."""
+
+    faces: Faces
+    value: Signal
+
+    kind: ClassVar[str] = "curvature"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_on_faces(self.faces, "value", self.value)
+
+    def points(self) -> tuple[Point | WorldPoint, ...]:
+        """Points that it acts on: it acts on faces."""
+        return ()
+
+    def entries(self) -> dict[str, Any]:
+        """Entries of the core's document; faces and signals are still to be lowered."""
+        return {**super().entries(), "steady": self.value.constant}
+
+
+def _check_on_faces(faces: object, name: str, value: object) -> None:
+    if not isinstance(faces, Faces):
+        _check.fail("faces", faces, "must be faces of a surface")
+    if not isinstance(value, Signal) or value.size != 3:
+        _check.fail(name, value, "must be a signal of 3 components")
+
+
+FORCES: tuple[type[ForceData], ...] = (Spring, Tendon, Wind, SheetWind, Curvature)
+ON_FACES = (SheetWind, Curvature)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from pliant import _check
 from pliant.forces import ForceData
+from pliant.gas import Chamber
 from pliant.points import Point
 from pliant.signals import Signal
 from pliant.surfaces import Edge, Faces
@@ -114,7 +115,7 @@ class Pressure:
 
 
 SurfaceLoad = EdgeLoad | EdgeMoment | Pressure
-LoadData = Force | Moment | LineLoad | MovingForce | ForceData | SurfaceLoad
+LoadData = Force | Moment | LineLoad | MovingForce | ForceData | SurfaceLoad | Chamber
 
 
 def _check_load(name: object, value: object, size: int = 3) -> None:

@@ -10,13 +10,14 @@ import numpy as np
 from pliant import _check
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
-from pliant._sheets import Sheets
+from pliant._pneumatics import Pneumatics
 from pliant._touching import Touching
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import FileError, ModelError
 from pliant.files import atomic
 from pliant.forces import FORCES
+from pliant.gas import Chamber
 from pliant.joints import JOINTS, Clamp, Pin
 from pliant.latches import Latch
 from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, MovingForce, Pressure
@@ -32,14 +33,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Model"]
 
-LOADS = (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, *FORCES)
+LOADS = (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, Chamber, *FORCES)
 
 
 LATER = ("obstacles", "contacts")
 """Lists that a document may lack."""
 
 
-class Model(Sheets, Touching):
+class Model(Pneumatics, Touching):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -587,11 +588,7 @@ class Model(Sheets, Touching):
             lists: list[tuple[str, dict[str, Any], tuple[type, ...]]] = [
                 ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData, SurfaceBody)),
                 ("joints", model._joints, JOINTS),
-                (
-                    "loads",
-                    model._loads,
-                    (Force, Moment, LineLoad, MovingForce, EdgeLoad, EdgeMoment, Pressure, *FORCES),
-                ),
+                ("loads", model._loads, LOADS),
                 ("obstacles", model._obstacles, (ObstacleData,)),
                 ("contacts", model._contacts, (ContactData,)),
             ]

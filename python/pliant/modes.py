@@ -116,7 +116,7 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | PathLike 
     state = None if about is None else require_state(about, "about", model)
     model = model.copy()
     lowered, system = build(model, state)
-    freedoms = system.velocities - system.multipliers
+    freedoms = system.velocities - system.multipliers + len(lowered.chambers)
     if count > freedoms:
         freedoms += sum(equations for _, equations, _ in system.redundant())
         offsets = system.joint_offsets()

@@ -113,6 +113,16 @@ class TendonForce:
 
 
 @dataclass(frozen=True)
+class ChamberGas:
+    """Gas in a chamber: absolute pressure [Pa], volume [m^3], mass [kg] and temperature [K], each (n,)."""
+
+    pressure: FloatArray
+    volume: FloatArray
+    mass: FloatArray
+    temperature: FloatArray
+
+
+@dataclass(frozen=True)
 class Strain:
     """Axial strain (n, elements) and curvature vector [1/m] (n, elements, 3) at mid-element."""
 

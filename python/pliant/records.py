@@ -90,7 +90,8 @@ def by_blocks(function: Callable[..., Any], *columns: Rows, rows: slice | IntArr
 class State:
     """State of the bodies at one time: a start for another run.
 
-    ``saved`` is what a stepper goes back by, ``grows`` what the load factor of a static state acted on.
+    ``saved`` is what a stepper goes back by, ``grows`` what the load factor of a static state acted on,
+    ``gas`` the mass in each chamber [kg].
     """
 
     model: Model
@@ -101,12 +102,13 @@ class State:
     lambda_: FloatArray
     saved: bytes | None = None
     grows: tuple[str, ...] | None = None
+    gas: Mapping[str, float] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Callables of the model cannot be pickled, and a state needs only the bodies.
         document = self.model.to_document(keep_functions=False)
-        rest = (dict(self.bodies), self.static, self.time, self.q, self.lambda_, self.saved, self.grows)
-        return _restored_state, (document, *rest)
+        rest = (self.static, self.time, self.q, self.lambda_, self.saved, self.grows, dict(self.gas))
+        return _restored_state, (document, dict(self.bodies), *rest)
 
 
 def _restored_state(document: Any, *rest: Any) -> State:

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from pliant import _check
+from pliant._lowered import is_load
 from pliant._running import (
     CallableInputs,
     as_records,
@@ -20,6 +21,7 @@ from pliant._running import (
 )
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.forces import ForceData
+from pliant.gas import Chamber
 from pliant.model import Model
 from pliant.points import Load, require_handle
 from pliant.progress import progress_bar
@@ -185,6 +187,8 @@ def _scaled(model: Model, scale: object) -> tuple[str, ...]:
         require_handle(one, "scale", model.identity)
         if one.name not in model._loads:
             _check.fail("scale", one, "the model has no such load")
+        if isinstance(model._loads[one.name], Chamber):
+            _check.fail("scale", one, "is a chamber, whose inflow follows the load factor in any case")
         if isinstance(model._loads[one.name], ForceData):
             _check.fail("scale", one, "is a spring, which does not grow: scale a load")
         names.append(one.name)
@@ -195,6 +199,6 @@ def growing(model: Model, grows: Iterable[str] | None) -> tuple[bool, list[int]]
     """Whether gravity grows and the core's numbers of the loads that do."""
     if grows is None:
         return None
-    loads = [name for name, load in model._loads.items() if not isinstance(load, ForceData)]
+    loads = [name for name, load in model._loads.items() if is_load(load)]
     chosen = set(grows)
     return "gravity" in chosen, [k for k, name in enumerate(loads) if name in chosen]

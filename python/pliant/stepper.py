@@ -33,6 +33,7 @@ from pliant.latches import checked_gap
 from pliant.model import Model
 from pliant.points import Handle, Joint, Load, Point, PointMass
 from pliant.readings import (
+    ChamberGas,
     Energy,
     JointMotion,
     Reaction,
@@ -381,6 +382,10 @@ class Stepper:
     def tendon(self, tendon: Load) -> TendonForce:
         """Length and tension of a tendon, and the tensions of its spans (spans,)."""
         return _only(self._now.tendon(tendon))
+
+    def chamber(self, chamber: Load) -> ChamberGas:
+        """Pressure, volume, mass and temperature of the gas in a chamber, numbers."""
+        return _only(self._now.chamber(chamber))
 
     def axial_force(self, body: Handle | str) -> FloatArray:
         """Axial force [N] at mid-element, (elements,); of a net the mean in each cable, (cables,)."""

@@ -102,7 +102,8 @@ fn check_positions<P: Problem + ?Sized>(
     v: &[f64],
 ) -> Result<(), Error> {
     let (n, m) = (problem.velocities(), problem.multipliers());
-    let (a, lambda_) = (vec![0.0; n], vec![0.0; m]);
+    let (a, mut lambda_) = (vec![0.0; n], vec![0.0; m]);
+    problem.determine(t, q, &mut lambda_);
     let (mut force, mut phi) = (vec![0.0; n], vec![0.0; m]);
     let point = Point { t, q, v, a: &a, lambda_: &lambda_ };
     problem
@@ -202,7 +203,9 @@ pub fn consistent_acceleration<P: Problem + ?Sized>(
     let values = factor_mass(problem, solver, t, q, v)?;
     let mut right = vec![0.0; n + m];
     let zero = vec![0.0; n + m];
-    let point = Point { t, q, v, a: &zero[..n], lambda_: &zero[n..] };
+    let mut given = vec![0.0; m];
+    problem.determine(t, q, &mut given);
+    let point = Point { t, q, v, a: &zero[..n], lambda_: &given };
     let (force, phi) = right.split_at_mut(n);
     problem.residual(point, force, phi).map_err(|source| Error::Evaluation { t, source })?;
     problem.constraint_acceleration(point, phi);
@@ -220,7 +223,10 @@ pub fn consistent_acceleration<P: Problem + ?Sized>(
         *x = -(*x + r);
     }
     finite_or_name(problem, t, &x)?;
-    let lambda_ = x.split_off(n);
+    let mut lambda_ = x.split_off(n);
+    for (lambda_, given) in lambda_.iter_mut().zip(&given) {
+        *lambda_ += given;
+    }
     Ok((x, lambda_))
 }
 

@@ -3,6 +3,7 @@
 //! This crate knows no mechanics beyond `M a + f + phi_q^T lambda_ = 0`, `phi = 0` (see [`problem::Problem`]).
 
 pub mod coefficients;
+mod compliance;
 mod condensation;
 mod dense;
 pub mod error;

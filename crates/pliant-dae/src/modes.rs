@@ -6,6 +6,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use crate::compliance::Compliance;
 use crate::error::{Error, check_length};
 use crate::initial::finite_or_name;
 use crate::linear_solver::LinearSolver;
@@ -123,7 +124,11 @@ fn dense_matrix<P: Problem + ?Sized>(problem: &mut P, at: Point<'_>, w: Weights)
 fn dense_modes<P: Problem + ?Sized>(problem: &mut P, at: Point<'_>) -> Vec<Mode> {
     let (n, m) = (problem.velocities(), problem.multipliers());
     let block = |matrix: DMatrix<f64>| matrix.view((0, 0), (n, n)).into_owned();
-    let stiffness = block(dense_matrix(problem, at, STIFFNESS));
+    let mut stiffness = block(dense_matrix(problem, at, STIFFNESS));
+    for (row, factor) in Compliance::new(problem, at).rows() {
+        let g = DVector::from_column_slice(row);
+        stiffness += *factor * &g * g.transpose();
+    }
     let mass = block(dense_matrix(problem, at, MASS));
     let jacobian = dense_matrix(problem, at, JACOBIAN).view((n, 0), (m, n)).into_owned();
     let z = null_space(&jacobian);
@@ -238,7 +243,7 @@ fn krylov_modes<P: Problem + ?Sized>(
         extend(&inverse, &mut basis, &mut mass_basis, y);
     }
     let idle = inverse.problem.idle().iter().filter(|idle| **idle).count();
-    let free = n.saturating_sub(m - idle);
+    let free = n.saturating_sub(m - idle - inverse.problem.compliant().len());
     let wanted = options.count.min(free);
     let limit = (LARGEST_BASIS * wanted + 4 * BLOCK).min(free);
     loop {

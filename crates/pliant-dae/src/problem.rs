@@ -159,6 +159,19 @@ pub trait Problem: Send {
         &[]
     }
 
+    /// Multipliers whose equations are compliant: `phi(t, q, lambda_) = 0` determines `lambda_` where the coordinates
+    /// are given (the pressure of an enclosed gas). Their diagonal in the iteration matrix is `jacobian / stiffness`
+    /// times `dphi/dlambda_`. They say nothing about velocities and accelerations: with a stiffness of zero
+    /// `phi_q` is zero there and the diagonal is minus the weight of the Jacobian.
+    fn compliant(&self) -> &[usize] {
+        &[]
+    }
+
+    /// Writes the multipliers that coordinates determine, see [`Self::compliant`].
+    fn determine(&mut self, t: f64, q: &[f64], lambda_: &mut [f64]) {
+        let _ = (t, q, lambda_);
+    }
+
     /// Makes equations idle that follow from others, and no others (length `multipliers`, or empty: none).
     fn leave_out(&mut self, equations: &[bool]) {
         let _ = equations;

@@ -346,7 +346,9 @@ pub fn project_positions<P: Problem + ?Sized>(
     let mut last = Vec::new();
     for _ in 0..8 {
         problem.leave_out(&[]);
-        let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &zero[..m] };
+        let mut lambda_ = zero[..m].to_vec();
+        problem.determine(t, q, &mut lambda_);
+        let at = Point { t, q, v: &zero[..n], a: &zero[..n], lambda_: &lambda_ };
         let outcome = problem.residual(at, &mut force, &mut phi);
         outcome.map_err(|source| Error::Evaluation { t, source })?;
         if weighted_max(&phi, &weight) <= tolerance {

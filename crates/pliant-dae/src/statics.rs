@@ -110,6 +110,7 @@ pub fn solve_static<P: Problem + ?Sized>(
     for dependency in &dependencies {
         lambda_[dependency.equation] = 0.0;
     }
+    problem.determine(options.from, q, &mut lambda_);
     let mut search = Search::new(problem, solver, *options, poll);
     let nominal = (options.to - options.from) / options.load_steps.max(1) as f64;
     let mut path = Vec::new();

@@ -20,4 +20,4 @@ pub use elements::cable::{
 };
 pub use elements::surface::{Chart, Jet, Quadrature, SURFACE_KINDS, SurfaceKind};
 pub use error::ElementError;
-pub use surface::{SurfaceBlock, SurfaceElement, SurfaceLaw};
+pub use surface::{RulePoint, SurfaceBlock, SurfaceElement, SurfaceLaw};

@@ -352,3 +352,49 @@ fn only_rigid_motions_are_free_of_energy() {
         }
     }
 }
+
+#[test]
+fn volume_has_its_gradient_and_second_derivative() {
+    each(|kind, law, block, [_, q, _]| {
+        let alone = block.alone(ELEMENT);
+        let q = block.local(ELEMENT, q);
+        let origin = [0.3, -0.2, 0.5];
+        let volume = central_difference(&q, 1e-5, |q| vec![alone.volume(0, q, origin)]);
+        let gradient = alone.volume_gradient(0, &q, origin);
+        // Differences of a cubic: h^2, and rounding over h.
+        assert!(relative_error(&volume, &[gradient]) < 1e-8, "{kind:?} {law:?}");
+        let n = q.len();
+        let mut hessian = vec![0.0; n * n];
+        alone.add_volume_hessian(0, &q, origin, 2.0, &mut hessian);
+        let rows: Vec<Vec<f64>> = hessian.chunks_exact(n).map(<[f64]>::to_vec).collect();
+        let slope = central_difference(&q, 1e-3, |q| {
+            alone.volume_gradient(0, q, origin).iter().map(|g| 2.0 * g).collect()
+        });
+        // Differences of a quadratic are exact.
+        assert!(relative_error(&rows, &slope) < 1e-11, "{kind:?} {law:?}");
+    });
+}
+
+#[test]
+fn rest_curvature_has_its_gradient_and_second_derivative() {
+    let kappa = [0.8, -0.5, 0.3];
+    each(|kind, law, block, [_, q, _]| {
+        let alone = block.alone(ELEMENT);
+        let q = block.local(ELEMENT, q);
+        let energy = |q: &[f64]| vec![alone.curvature_energy(0, q, kappa)];
+        let gradient = vec![alone.curvature_gradient(0, &q, kappa)];
+        if !kind.bends() {
+            assert!(gradient[0].iter().all(|g| *g == 0.0) && energy(&q) == [0.0]);
+            return;
+        }
+        let difference = central_difference(&q, 1e-6, energy);
+        assert!(relative_error(&difference, &gradient) < 1e-6, "{kind:?} {law:?}");
+        let n = q.len();
+        let mut hessian = vec![0.0; n * n];
+        alone.add_curvature_hessian(0, &q, kappa, 1.0, &mut hessian);
+        let rows: Vec<Vec<f64>> = hessian.chunks_exact(n).map(<[f64]>::to_vec).collect();
+        let slope = central_difference(&q, 1e-6, |q| alone.curvature_gradient(0, q, kappa));
+        // Where a film is at the border of two regimes differences see both.
+        assert!(relative_error(&rows, &slope) < 1e-6, "{kind:?} {law:?}");
+    });
+}

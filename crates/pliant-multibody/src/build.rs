@@ -1,6 +1,7 @@
 //! From a model document to a [`Model`]: coordinates, blocks, masses, joints, loads and the sparsity of it all.
 
 mod cables;
+mod chambers;
 mod joints;
 mod surfaces;
 
@@ -59,8 +60,9 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     }
     let mut map = DofMap::new(spec, arrays, points.len() / 3)?;
     let (initial_q, initial_v) = initial(spec, arrays, &map, points)?;
-    let drafts = joints::draft_joints(spec, &map, &initial_q)?;
-    let multipliers = drafts.joints.iter().map(|(_, joint)| joint.count()).sum();
+    let mut drafts = joints::draft_joints(spec, &map, &initial_q)?;
+    let in_joints = drafts.joints.iter().map(|(_, joint)| joint.count()).sum::<usize>();
+    let multipliers = in_joints + spec.chambers.len();
     let mut structure = Structure::new(map.coordinates, multipliers);
     map.add_groups(&mut structure);
     let (cables, strands) = blocks(spec, arrays, &map, &mut structure)?;
@@ -98,11 +100,13 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         .map(|(cable, cable_map)| axial_energy(cable, arrays, &cable_map.lengths))
         .sum::<Result<f64, _>>()?;
     let rigid_bodies = builder.rigid_bodies(spec)?;
-    let (joints, constraint_scale) = builder.joints(drafts.joints, length);
+    let (joints, mut constraint_scale) = builder.joints(drafts.joints, length);
     let joint_memory = joints.last().map_or(0, |joint| joint.memory.end);
     let (latches, schedule) = latches(spec)?;
     let loads = spec.loads.iter().map(|l| builder.load(l)).collect::<Result<_, _>>()?;
     let forces = builder.forces(&spec.forces, &drafts.freedoms)?;
+    let chambers = builder.chambers(spec, in_joints, &mut drafts.integrals)?;
+    constraint_scale.extend(chambers.iter().map(|chamber| chamber.scale));
     let mut winches = Vec::new();
     for ((cable, cable_map), strands) in spec.cables.iter().zip(&map.cables).zip(&strands) {
         winches.extend(Winch::of_cable(cable, &cable_map.lengths, strands)?);
@@ -131,6 +135,8 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         uses_rates,
         has_transit,
         forces,
+        compliant: chambers.iter().map(|chamber| chamber.multiplier).collect(),
+        chambers,
         freedoms: drafts.freedoms,
         integrals: drafts.integrals,
         joint_memory,
@@ -401,7 +407,9 @@ impl Builder<'_> {
         let mut placed = Vec::with_capacity(specs.len());
         for (number, spec) in specs.iter().enumerate() {
             let support = |points: &[&Interpolation]| self.support(points.iter().copied());
-            let context = forces::Context { map: self.map, support: &support, freedoms };
+            let faces = |surface, faces: &Array, place: &str| self.faces_of(surface, faces, place);
+            let context =
+                forces::Context { map: self.map, support: &support, freedoms, faces: &faces };
             for force in forces::of_spec(spec, &context)? {
                 let groups = &force.support().groups;
                 let element = self.structure.add_element(groups, force.storage());
@@ -458,7 +466,8 @@ impl Builder<'_> {
             LoadSpec::Pressure { name, surface, faces, value, conservative } => {
                 let place = format!("load '{name}'");
                 let value = Value::new(value, &place)?;
-                (Box::new(self.pressure(*surface, faces, *conservative, &place)?), value)
+                let parts = self.faces_of(*surface, faces, &place)?;
+                (Box::new(Pressure::new(parts, *conservative)), value)
             }
             LoadSpec::Edge { name, surface, sides, value } => {
                 let place = format!("load '{name}'");
@@ -495,13 +504,13 @@ impl Builder<'_> {
         Ok(PlacedLoad { load, value, elements })
     }
 
-    fn pressure(
+    /// Faces of a surface with their coordinates, in the order of their nodal vectors.
+    fn faces_of(
         &self,
         surface: usize,
         faces: &Array,
-        conservative: bool,
         place: &str,
-    ) -> Result<Pressure, ModelError> {
+    ) -> Result<Vec<(Face, Support)>, ModelError> {
         let map = self.map.surface(surface, place)?;
         let numbers = self.arrays.whole(faces, place)?;
         let mut parts = Vec::with_capacity(numbers.len());
@@ -523,7 +532,7 @@ impl Builder<'_> {
             };
             parts.push((Face { block, element: at.element }, support));
         }
-        Ok(Pressure::new(parts, conservative))
+        Ok(parts)
     }
 
     fn cable(&self, cable: usize, place: &str) -> Result<&CableMap, ModelError> {

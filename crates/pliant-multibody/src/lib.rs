@@ -1,6 +1,7 @@
 //! Models of soft machines: from a document to a system of equations, runs, and what is read from them.
 
 mod build;
+mod chambers;
 pub mod checkpoint;
 pub mod contact_coupling;
 pub mod document;

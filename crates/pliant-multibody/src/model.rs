@@ -1,5 +1,6 @@
 //! A model made ready to compute with; it never changes during a run.
 
+use crate::chambers::{self, Chamber};
 use crate::contact_coupling::Contacts;
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
@@ -110,10 +111,20 @@ pub(crate) struct PlacedFreedom {
     pub y: Freedom,
 }
 
-/// A signal whose integral is asked for; it begins at the value of a freedom.
+/// A signal whose integral is asked for.
 pub(crate) struct PlacedIntegral {
     pub rate: Value,
-    pub from: Freedom,
+    pub from: Beginning,
+    /// Whether the load factor of statics stands for time; else the integral stays where it began.
+    pub in_statics: bool,
+}
+
+/// What an integral begins at.
+pub(crate) enum Beginning {
+    /// The value of a freedom.
+    Freedom(Freedom),
+    /// The mass of the gas in a chamber, by its number.
+    Mass(usize),
 }
 
 /// How a joint is released and engaged.
@@ -171,6 +182,9 @@ pub struct Model {
     /// Whether power passes forces from outside into loss.
     pub(crate) has_transit: bool,
     pub(crate) forces: Vec<PlacedForce>,
+    pub(crate) chambers: Vec<Chamber>,
+    /// Numbers of their multipliers.
+    pub(crate) compliant: Vec<usize>,
     pub(crate) freedoms: Vec<PlacedFreedom>,
     pub(crate) integrals: Vec<PlacedIntegral>,
     /// How many numbers joints remember.
@@ -276,6 +290,15 @@ impl Model {
         places
     }
 
+    /// First number among the outputs of each chamber: absolute pressure, volume, mass.
+    #[must_use]
+    pub fn chamber_outputs(&self) -> Vec<usize> {
+        let forces = self.forces.iter().map(|f| f.force.output_count()).sum::<usize>();
+        let drives = 6 * self.joints.iter().filter(|j| j.joint.is_driven()).count();
+        let first = forces + drives + self.freedoms.len();
+        (0..self.chambers.len()).map(|k| first + chambers::OUTPUTS * k).collect()
+    }
+
     /// First number and number of numbers among the outputs of each force.
     #[must_use]
     pub fn force_outputs(&self) -> Vec<[usize; 2]> {
@@ -313,7 +336,10 @@ impl Model {
         let forces = self.forces.iter().filter_map(|f| f.force.next_break(t));
         let joints = self.joints.iter().filter_map(|j| j.joint.next_break(t));
         let winches = self.winches.iter().filter_map(|w| w.next_break(t));
-        values.chain(loads).chain(forces).chain(joints).chain(winches).fold(f64::INFINITY, f64::min)
+        let inflows = self.chambers.iter().map(|c| &self.integrals[c.mass].rate);
+        let inflows = inflows.filter_map(|rate| rate.next_break(t));
+        let given = values.chain(winches).chain(inflows);
+        given.chain(loads).chain(forces).chain(joints).fold(f64::INFINITY, f64::min)
     }
 
     /// The size that errors of positions are measured against [m].

@@ -238,10 +238,18 @@ impl<'a> About<'a> {
         system.begin(self.t, self.q.unwrap_or(&model.initial_q));
         let mut force = vec![0.0; model.coordinates()];
         let mut phi = vec![0.0; model.multipliers()];
-        let (zero, no_force) = (force.clone(), phi.clone());
+        let (zero, no_force) = (force.clone(), self.multipliers(&mut system));
         let evaluated = system.residual(self.point(model, &zero, &no_force), &mut force, &mut phi);
         evaluated.map_err(|source| Error::Evaluation { t: self.t, source })?;
         Ok(system)
+    }
+
+    /// Multipliers where none are given: zero, but for those that coordinates determine.
+    fn multipliers(&self, system: &mut System) -> Vec<f64> {
+        let mut lambda_ = vec![0.0; system.multipliers()];
+        let model = system.model().clone();
+        system.determine(self.t, self.q.unwrap_or(&model.initial_q), &mut lambda_);
+        lambda_
     }
 
     fn point<'b>(&self, model: &'b Model, zero: &'b [f64], no_force: &'b [f64]) -> Point<'b>
@@ -267,6 +275,8 @@ pub struct Linear {
     pub columns: Vec<i64>,
     /// Mass, damping, stiffness with `(phi_q^T lambda_)_q`, and `phi_q` beside its transpose.
     pub values: [Vec<f64>; 4],
+    /// Rows b of what enclosed gas adds to the stiffness, `sum b b^T`, one after the other.
+    pub borders: Vec<f64>,
 }
 
 /// Whether there is neither damping nor a force without potential.
@@ -287,7 +297,7 @@ pub fn linear(
 ) -> Result<Linear, Error> {
     let mut system = about.system(model, inputs)?;
     let zero = vec![0.0; model.coordinates()];
-    let no_force = vec![0.0; model.multipliers()];
+    let no_force = about.multipliers(&mut system);
     let at = about.point(model, &zero, &no_force);
     let weights = |[mass, damping, stiffness, jacobian]: [f64; 4]| Weights {
         mass,
@@ -303,6 +313,9 @@ pub fn linear(
         values
     });
     let mut linear = Linear::default();
+    for chamber in &model.chambers {
+        linear.borders.extend(chamber.stiffness_root(at.q, at.lambda_[chamber.multiplier]));
+    }
     let structure = &model.structure;
     for e in 0..structure.elements() {
         let unknowns: Vec<usize> = structure.element_unknowns(e).collect();
@@ -333,7 +346,7 @@ pub fn modes(
     let mut system = about.system(model, inputs)?;
     let mut solver = model.solver(false)?;
     let zero = vec![0.0; model.coordinates()];
-    let no_force = vec![0.0; model.multipliers()];
+    let no_force = about.multipliers(&mut system);
     let point = about.point(model, &zero, &no_force);
     // Iteration with the inverse keeps the lowest modes of slender lines exact, where a dense solution loses them
     // in the rounding of the highest; it needs room for its basis.

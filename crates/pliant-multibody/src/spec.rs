@@ -56,6 +56,101 @@ pub struct ModelSpec {
     /// Forces that depend on positions and velocities.
     #[serde(default)]
     pub forces: Vec<ForceSpec>,
+    /// Enclosed gas.
+    #[serde(default)]
+    pub chambers: Vec<ChamberSpec>,
+}
+
+/// Gas enclosed by faces of surfaces, whose normals point out of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChamberSpec {
+    /// Name.
+    pub name: String,
+    /// Faces.
+    pub faces: Vec<FacesSpec>,
+    /// What closes their rims.
+    pub rims: Vec<RimSpec>,
+    /// Point from which volumes count, in all planes of symmetry if there is one [m].
+    pub origin: [f64; 3],
+    /// The gas at the start.
+    pub gas: GasSpec,
+    /// Mass of the gas at the start [kg]; none: as much as fills the volume.
+    #[serde(default)]
+    pub mass: Option<f64>,
+    /// Mass that flows in per time [kg/s]; none: nothing ever does.
+    pub inflow: Option<Signal>,
+    /// Absolute pressure of the surroundings [Pa].
+    pub ambient: f64,
+}
+
+/// Faces of one surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FacesSpec {
+    /// Number of the surface.
+    pub surface: usize,
+    /// Numbers of the faces.
+    pub faces: Array,
+}
+
+/// Sides of faces of one surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SidesSpec {
+    /// Number of the surface.
+    pub surface: usize,
+    /// Rows (face, side); side k runs from corner k to the next, (s, 2), whole numbers.
+    pub sides: Array,
+}
+
+/// Sides at the rim of a chamber, and what closes them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RimSpec {
+    /// The sides.
+    pub sides: Vec<SidesSpec>,
+    /// How they are closed.
+    pub closure: ClosureSpec,
+}
+
+/// How a rim is closed: by the cone from its apex.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ClosureSpec {
+    /// By the world: the rim is held.
+    Held {
+        /// The apex [m].
+        apex: [f64; 3],
+    },
+    /// By the rest of a symmetric surface.
+    Plane {
+        /// The apex, in the plane [m].
+        apex: [f64; 3],
+        /// Unit normal of the plane.
+        normal: [f64; 3],
+    },
+    /// By a light lid, whose apex is `projection` times the middle of the rim plus `shift`.
+    Lid {
+        /// Rows of the matrix.
+        projection: [[f64; 3]; 3],
+        /// The shift [m].
+        shift: [f64; 3],
+    },
+}
+
+/// A gas: `p = p_0 (rho/rho_0)^exponent`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GasSpec {
+    /// Absolute pressure [Pa].
+    pub pressure: f64,
+    /// Temperature at this pressure [K].
+    pub temperature: f64,
+    /// 1: isothermal.
+    pub exponent: f64,
+    /// Specific gas constant [J/(kg K)].
+    pub gas_constant: f64,
 }
 
 /// A rigid body: the position of its centre of mass and three axes.
@@ -797,6 +892,36 @@ pub enum ForceSpec {
         lift: LiftSpec,
         /// Diameter of each element [m].
         diameters: Vec<f64>,
+    },
+    /// Flow by faces of a surface.
+    SheetWind {
+        /// Name.
+        name: String,
+        /// Number of the surface.
+        surface: usize,
+        /// Numbers of the faces.
+        faces: Array,
+        /// Velocity of the wind, three components [m/s].
+        velocity: Signal,
+        /// Density of the fluid [kg/m^3].
+        density: f64,
+        /// Drag coefficient of flow along the normal.
+        drag: f64,
+        /// Slope of the lift coefficient over the angle between flow and surface.
+        lift: f64,
+    },
+    /// A rest curvature of faces of a shell that changes in time.
+    Curvature {
+        /// Name.
+        name: String,
+        /// Number of the surface.
+        surface: usize,
+        /// Numbers of the faces.
+        faces: Array,
+        /// Components (11, 22, 12) in the frame whose first axis is along u [1/m].
+        value: Signal,
+        /// Whether it never changes.
+        steady: bool,
     },
     /// Spring, damper, stops and drive along the freedom of a hinge or slider.
     Joint {

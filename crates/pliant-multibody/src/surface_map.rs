@@ -1,5 +1,6 @@
 //! Where the nodes and faces of a surface stand.
 
+use crate::chambers::volume::RimPoint;
 use crate::document::{Arrays, row};
 use crate::error::ModelError;
 use crate::loads::edge_moment::EdgePoint;
@@ -293,6 +294,18 @@ impl SurfaceMap {
                 let length = weight * speed.norm();
                 points.push(EdgePoint { across, direction: direction.into(), length });
             }
+        });
+        points
+    }
+
+    /// Points of a rule along a side, with the derivative of the position by the side's parameter.
+    #[must_use]
+    pub fn rim_points(&self, side: [usize; 2]) -> Vec<RimPoint> {
+        let mut points = Vec::new();
+        self.along(&[side], |face, jets, direction, _, weight| {
+            let r = self.sum(face, jets, |j| j.value);
+            let d = self.sum(face, jets, |j| direction[0] * j.u + direction[1] * j.v);
+            points.push(RimPoint { r, d, weight });
         });
         points
     }

@@ -1,5 +1,6 @@
 //! A run of a model: the [`Problem`] that the integrator sees.
 
+mod chambers;
 mod contact;
 mod forces;
 mod growth;
@@ -216,8 +217,12 @@ impl System {
         lambda_: &mut [f64],
     ) {
         let kept = self.memory.clone();
+        let pressures: Vec<f64> = self.model.compliant.iter().map(|&k| lambda_[k]).collect();
         // Where it fails the multipliers stay as they are: they are right, too.
         let _ = smallest_multipliers(self, solver, t, q, lambda_, &kept.redundant);
+        for (&k, pressure) in self.model.compliant.iter().zip(pressures) {
+            lambda_[k] = pressure;
+        }
         self.set_memory(kept);
     }
 
@@ -307,6 +312,7 @@ impl System {
     fn working_forces(&mut self, at: Point<'_>, force: &mut [f64]) {
         self.load_forces(at.t, at.q, 1.0, force);
         self.drive_forces(at, force);
+        self.flowing_forces(at, force);
         let chosen = |placed: &PlacedForce, part| match part {
             Part::Stored => placed.force.is_rheonomic(),
             Part::Dissipated => false,
@@ -331,6 +337,7 @@ impl System {
             self.model.energy(&self.wound, q, v)
         };
         energy[1] += self.model.stored_energy(self.moment(t), q, v);
+        energy[1] += self.model.gas_energy(self.moment(t), q, false);
         energy
     }
 
@@ -415,6 +422,14 @@ impl System {
         self.load_tangents(at, weights.stiffness, values);
         self.force_tangents(at, weights, values);
         self.contact_tangents(at, weights, values);
+        self.chamber_tangents(at, weights, values);
+    }
+
+    /// Clears the rows of compliant equations, which ask for no velocities or accelerations.
+    fn clear_compliant(&self, out: &mut [f64]) {
+        for &k in &self.model.compliant {
+            out[k] = 0.0;
+        }
     }
 
     /// Tangents of the blocks; where `predicted`, `at.v` is an increment, and velocities are zero.
@@ -642,6 +657,7 @@ impl Problem for System {
             }
         });
         self.scratch.jacobian = jacobian;
+        self.chamber_residuals(at, force, phi);
         self.clear_idle(phi);
         Ok(())
     }
@@ -689,6 +705,7 @@ impl Problem for System {
             joint.acceleration(now, x, &v, &mut out[equations]);
         });
         self.scratch.phi = v;
+        self.clear_compliant(out);
         self.clear_idle(out);
     }
 
@@ -703,17 +720,29 @@ impl Problem for System {
         });
         self.scratch.phi = v;
         self.scratch.jacobian = a;
+        self.clear_compliant(out);
         self.clear_idle(out);
     }
 
     fn constraint_rate(&mut self, t: f64, q: &[f64], out: &mut [f64]) {
         self.refresh_rates(t);
         self.each_joint(t, q, |joint, now, x, equations| joint.rate(now, x, &mut out[equations]));
+        self.clear_compliant(out);
         self.clear_idle(out);
     }
 
     fn idle(&self) -> &[bool] {
         self.joints.off()
+    }
+
+    fn compliant(&self) -> &[usize] {
+        &self.model.compliant
+    }
+
+    fn determine(&mut self, t: f64, q: &[f64], lambda_: &mut [f64]) {
+        if !self.model.chambers.is_empty() {
+            self.determine_pressures(t, q, lambda_);
+        }
     }
 
     fn leave_out(&mut self, equations: &[bool]) {
@@ -735,7 +764,10 @@ impl Problem for System {
     fn owner(&self, multiplier: usize) -> String {
         match self.model.joint_of(multiplier) {
             Some(k) => format!("joint '{}'", self.model.joints[k].name),
-            None => format!("multiplier {multiplier}"),
+            None => match self.model.chambers.iter().find(|c| c.multiplier == multiplier) {
+                Some(chamber) => format!("chamber '{}'", chamber.name),
+                None => format!("multiplier {multiplier}"),
+            },
         }
     }
 
@@ -824,7 +856,7 @@ impl Problem for System {
         let joint = self.model.joint_of(multiplier).map(|k| &self.model.joints[k]);
         match joint {
             Some(joint) => format!("joint '{}', equation {}", joint.name, multiplier - joint.first),
-            None => format!("multiplier {multiplier}"),
+            None => self.owner(multiplier),
         }
     }
 }

@@ -40,6 +40,7 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
         loads: Vec::new(),
         forces: Vec::new(),
         contacts: Vec::new(),
+        chambers: Vec::new(),
     };
     let model = Model::new(&spec, &[])?;
     for (what, array) in

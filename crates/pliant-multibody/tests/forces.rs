@@ -52,6 +52,11 @@ fn document(joints: Vec<JointSpec>, forces: Vec<ForceSpec>) -> ModelSpec {
             ..support::straight_cable("line", 3, 1.2)
         }];
     }
+    let on_sheet =
+        |f: &ForceSpec| matches!(f, ForceSpec::SheetWind { .. } | ForceSpec::Curvature { .. });
+    if forces.iter().any(on_sheet) {
+        document.surfaces = vec![support::sheet([2, 1], [0.4, 0.5], 40.0, 0.1)];
+    }
     document.forces = forces;
     document
 }
@@ -120,6 +125,26 @@ fn specs() -> Vec<(Vec<JointSpec>, ForceSpec)> {
         lift,
         diameters: vec![0.2, 0.25, 0.3],
     };
+    let faces = || Array::Inline(vec![0.0, 1.0]);
+    let sheet_wind = |lift| ForceSpec::SheetWind {
+        name: "wind".to_owned(),
+        surface: 0,
+        faces: faces(),
+        velocity: Signal::Constant(vec![1.0, -2.0, 0.7]),
+        density: 1.2,
+        drag: 1.1,
+        lift,
+    };
+    let bending = || ForceSpec::Curvature {
+        name: "curvature".to_owned(),
+        surface: 0,
+        faces: faces(),
+        value: Signal::Product(vec![
+            Signal::Constant(vec![0.8, -0.5, 0.3]),
+            Signal::Ramp { duration: 1.5 },
+        ]),
+        steady: false,
+    };
     let angles: Vec<f64> = (0..=24).map(|i| PI * (f64::from(i) / 12.0 - 1.0)).collect();
     let coefficients = angles.iter().map(|a| 0.4 - 0.8 * a.sin() + 0.2 * (2.0 * a).cos()).collect();
     vec![
@@ -129,6 +154,9 @@ fn specs() -> Vec<(Vec<JointSpec>, ForceSpec)> {
         tendon(motor(3.0), 0.3),
         (Vec::new(), wind(LiftSpec::Constant(0.5))),
         (Vec::new(), wind(LiftSpec::Angle { angles, coefficients })),
+        (Vec::new(), bending()),
+        (Vec::new(), sheet_wind(1.1)),
+        (Vec::new(), sheet_wind(0.4)),
         spring(on_body(0, [0.3, -0.2, 0.5]), on_body(1, [-0.1, 0.4, 0.2]), [30.0, 0.0, 0.7]),
         spring(on_body(0, [0.3, -0.2, 0.5]), ball(), [30.0, 4.0, 0.7]),
         spring(ball(), world(), [30.0, 4.0, 0.0]),
@@ -224,7 +252,9 @@ fn every_kind_is_here() {
 fn stored_forces_are_derivatives_of_the_energy() {
     let stored = |spec: &ForceSpec| match spec {
         ForceSpec::Tendon { pull, .. } => matches!(pull, PullSpec::Motor { .. }),
-        ForceSpec::Wind { .. } | ForceSpec::Joint { drive: Some(_), .. } => false,
+        ForceSpec::Wind { .. }
+        | ForceSpec::SheetWind { .. }
+        | ForceSpec::Joint { drive: Some(_), .. } => false,
         _ => true,
     };
     for (joints, spec) in specs().into_iter().filter(|(_, spec)| stored(spec)) {

@@ -249,6 +249,11 @@ impl PySystem {
         PyArray1::from_iter(py, flat).reshape([forces.len(), 2])
     }
 
+    /// First of the three numbers among the outputs of each chamber.
+    fn chamber_outputs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.model.chamber_outputs().into_iter().map(|k| k as i64))
+    }
+
     /// Joints with equations that follow from others at the start: joint, how many, the joints that they follow from.
     fn redundant(&self, py: Python<'_>) -> Vec<(String, usize, Vec<String>)> {
         py.detach(|| solve::redundant(&self.model))
@@ -425,6 +430,7 @@ impl PySystem {
         let dict = PyDict::new(py);
         dict.set_item("rows", PyArray1::from_vec(py, linear.rows))?;
         dict.set_item("columns", PyArray1::from_vec(py, linear.columns))?;
+        dict.set_item("borders", PyArray1::from_vec(py, linear.borders))?;
         for (name, values) in
             ["mass", "damping", "stiffness", "jacobian"].into_iter().zip(linear.values)
         {

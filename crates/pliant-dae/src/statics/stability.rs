@@ -9,6 +9,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
+use crate::compliance::Compliance;
 use crate::error::Error;
 use crate::linear_solver::LinearSolver;
 use crate::problem::{Point, Problem, Weights};
@@ -57,12 +58,21 @@ pub(super) fn test<P: Problem + ?Sized>(
         values
     };
     let (mass, stiffness) = (values(1.0, 0.0, 0.0), values(0.0, 1.0, 0.0));
-    let jacobian = values(0.0, 0.0, 1.0);
+    let mut jacobian = values(0.0, 0.0, 1.0);
     let (heaviest, stiffest) = (largest(&mass), largest(&stiffness));
     let ratio = stiffest / heaviest;
     if !(ratio.is_finite() && ratio > 0.0) {
         return Ok(Stability::Unknown);
     }
+    if !problem.compliant().is_empty() {
+        // Compliant equations are there where the stiffness has a weight.
+        let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 / stiffest, jacobian: 1.0 };
+        problem.tangent(at, weights, &mut jacobian);
+        for (jacobian, stiffness) in jacobian.iter_mut().zip(&stiffness) {
+            *jacobian -= stiffness / stiffest;
+        }
+    }
+    let compliance = Compliance::new(problem, at);
     let structure = problem.structure();
     if asymmetry(structure, &stiffness) > ASYMMETRY * stiffest {
         return Ok(Stability::Unknown);
@@ -75,7 +85,7 @@ pub(super) fn test<P: Problem + ?Sized>(
     {
         return Ok(Stability::Stable);
     }
-    let matrices = Matrices { structure, n, mass: &mass, stiffness: &stiffness };
+    let matrices = Matrices { structure, n, mass: &mass, stiffness: &stiffness, compliance };
     let mut carried: Vec<Vec<f64>> =
         vec![(0..n).map(|i| ((1 + 3 * i) as f64 * 0.618_034).sin()).collect()];
     let mut part = 1.0;
@@ -139,6 +149,7 @@ struct Matrices<'a> {
     n: usize,
     mass: &'a [f64],
     stiffness: &'a [f64],
+    compliance: Compliance,
 }
 
 impl Matrices<'_> {
@@ -148,6 +159,12 @@ impl Matrices<'_> {
         let mut y = vec![0.0; self.structure.unknowns()];
         self.structure.multiply_add(values, &padded, &mut y, false);
         y.truncate(self.n);
+        y
+    }
+
+    fn stiffness_times(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = self.times(self.stiffness, x);
+        self.compliance.add_product(x, &mut y);
         y
     }
 
@@ -195,7 +212,7 @@ impl<'a> Basis<'a> {
         }
         y.iter_mut().for_each(|y| *y /= rest);
         self.mass_x.push(self.matrices.mass_times(&y));
-        self.stiffness_x.push(self.matrices.times(self.matrices.stiffness, &y));
+        self.stiffness_x.push(self.matrices.stiffness_times(&y));
         self.x.push(y);
         true
     }
@@ -223,7 +240,7 @@ impl<'a> Basis<'a> {
     fn unstable(&self) -> Option<Stability> {
         let (x, _) = self.softest(1).pop()?;
         // The projection has the rounding of the stiffest vector in the basis: take the vector's own curvature.
-        let curvature = dot(&self.matrices.times(self.matrices.stiffness, &x), &x);
+        let curvature = dot(&self.matrices.stiffness_times(&x), &x);
         let bound = -ROUNDING * self.matrices.absolute_curvature(&x);
         (curvature < bound).then_some(Stability::Unstable { x, curvature })
     }

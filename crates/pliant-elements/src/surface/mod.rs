@@ -3,12 +3,14 @@
 //! Elements are lists of nodal vectors; what they are made of, rows of shape functions, lies in tables that equal
 //! elements share. One kernel serves every kind (docs/theory/shell.md).
 
+mod actuation;
 mod build;
 mod kernel;
 mod output;
 mod point;
 mod pressure;
 mod scalar;
+mod volume;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -19,6 +21,7 @@ use crate::integrals::surface::Table;
 use crate::materials::{PlaneStress, SaintVenantKirchhoff};
 pub use build::SurfaceElement;
 pub(crate) use kernel::Scratch;
+pub use pressure::RulePoint;
 
 /// Elements per task of the parallel evaluation.
 const TASK: usize = 64;

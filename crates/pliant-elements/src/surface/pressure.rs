@@ -7,9 +7,28 @@ use super::SurfaceBlock;
 use super::scalar::local;
 use pliant_math::Vec3;
 
+/// A point of the rule of an element: its reference area [m^2] and rows of the shape functions.
+#[derive(Clone, Debug)]
+pub struct RulePoint {
+    /// Reference area [m^2].
+    pub area: f64,
+    /// N, B_1 and B_2 for each nodal vector.
+    pub rows: [Vec<f64>; 3],
+}
+
 impl SurfaceBlock {
+    /// Points of the rule of element `e`; `a_1 x a_2` there is the vector area per reference area.
+    #[must_use]
+    pub fn rule_points(&self, e: usize) -> Vec<RulePoint> {
+        let mut points = Vec::new();
+        self.each_point(e, &vec![0.0; self.extent], |area, shape, [b1, b2], _| {
+            points.push(RulePoint { area, rows: [shape, b1, b2].map(<[f64]>::to_vec) });
+        });
+        points
+    }
+
     /// Calls `work` with the area, the shape functions, B_1 and B_2 and the vectors a_1 and a_2 of each point.
-    fn each_point(
+    pub(super) fn each_point(
         &self,
         e: usize,
         q: &[f64],
@@ -24,7 +43,9 @@ impl SurfaceBlock {
                 q.iter().zip(row(s)).fold(Vec3::zero(0.0), |sum, (&q, &w)| sum.add_times(w, q))
             };
             let shape = &table.shape[p * width..][..q.len()];
-            work(table.areas[p][0], shape, [row(0), row(1)], [sum(0), sum(1)]);
+            // The rule of the bending part is never a mixture: exact for a_1 x a_2, so that closed surfaces feel no force.
+            let area = table.areas[p][usize::from(self.kind.bends())];
+            work(area, shape, [row(0), row(1)], [sum(0), sum(1)]);
         }
     }
 
@@ -60,13 +81,5 @@ impl SurfaceBlock {
                 }
             }
         });
-    }
-
-    /// Volume between element `e` and the origin, a third of `r.(a_1 x a_2)` over its area [m^3].
-    #[must_use]
-    pub fn volume(&self, e: usize, q: &[f64]) -> f64 {
-        let local = self.local(e, q);
-        let force = self.pressure_force(e, q);
-        local.iter().zip(&force).map(|(x, f)| x * f).sum::<f64>() / 3.0
     }
 }

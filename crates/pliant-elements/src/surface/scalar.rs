@@ -9,7 +9,12 @@ use crate::integrals::surface::Table;
 use crate::materials::Voigt;
 
 /// Vectors of an element at a point of its rule.
-fn vectors_at<T: Real>(block: &SurfaceBlock, table: &Table, p: usize, q: &[Vec3<T>]) -> Vectors<T> {
+pub(super) fn vectors_at<T: Real>(
+    block: &SurfaceBlock,
+    table: &Table,
+    p: usize,
+    q: &[Vec3<T>],
+) -> Vectors<T> {
     let (width, zero) = (block.width(), q[0].x.zero());
     let rows = if block.kind.bends() { 5 } else { 2 };
     let sum = |s: usize| {
@@ -108,8 +113,9 @@ impl SurfaceBlock {
         force.into_iter().flat_map(Vec3::array).collect()
     }
 
-    /// The same element as a block of its own over its local coordinates.
-    fn alone(&self, e: usize) -> Self {
+    /// Element `e` as a block of its own over its local coordinates.
+    #[must_use]
+    pub fn alone(&self, e: usize) -> Self {
         let n = self.kind.vectors();
         Self {
             tables: vec![self.element(e).0.clone()],

@@ -9,7 +9,7 @@ use crate::joints::rigidity::rigidity;
 use crate::joints::side::{Frame, Side};
 use crate::joints::{Draft, hinge};
 use crate::latches::draft;
-use crate::model::{PlacedFreedom, PlacedIntegral};
+use crate::model::{Beginning, PlacedFreedom, PlacedIntegral};
 use crate::point::Interpolation;
 use crate::signal::Value;
 use crate::spec::{JointSpec, ModelSpec, Signal};
@@ -102,7 +102,8 @@ fn along_freedoms(
     let mut driven = |y: Freedom, value: &Signal, rate: bool| {
         let mut value = Value::new(value, &place)?;
         if rate {
-            integrals.push(PlacedIntegral { rate: value.clone(), from: y.clone() });
+            let (rate, from) = (value.clone(), Beginning::Freedom(y.clone()));
+            integrals.push(PlacedIntegral { rate, from, in_statics: false });
             value = Value::Integral(integrals.len() - 1, Box::new(value));
         }
         let term = Term { y, factor: 1.0, number: None };

@@ -1,17 +1,20 @@
 //! Forces that depend on positions and velocities: springs and what acts along joints. One file a kind; this is their
 //! registry. Forces given over time, with at most a direction that turns, are [`crate::loads`].
 
+pub mod curvature;
 pub mod joint;
+pub mod sheet_wind;
 pub mod spring;
 pub mod tendon;
 pub mod wind;
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
+use crate::loads::pressure::Face;
 use crate::model::PlacedFreedom;
 use crate::point::{Interpolation, Support};
 use crate::signal::Moment;
-use crate::spec::ForceSpec;
+use crate::spec::{Array, ForceSpec};
 use nalgebra::Matrix3;
 use pliant_dae::structure::Storage;
 
@@ -111,7 +114,13 @@ pub(crate) struct Context<'a> {
     pub support: &'a dyn Fn(&[&Interpolation]) -> Support,
     /// What joints leave free.
     pub freedoms: &'a [PlacedFreedom],
+    /// Faces of a surface with their coordinates, in the order of their nodal vectors.
+    pub faces: &'a FacesOf<'a>,
 }
+
+/// Finds faces by the number of their surface and their own.
+pub(crate) type FacesOf<'a> =
+    dyn Fn(usize, &Array, &str) -> Result<Vec<(Face, Support)>, ModelError> + 'a;
 
 /// The force of a document, in one piece or several; only the first shows numbers.
 ///
@@ -126,11 +135,14 @@ pub(crate) fn of_spec(
         ForceSpec::Joint { .. } => one(Box::new(joint::JointForce::of_spec(force, context)?)),
         ForceSpec::Spring { .. } => one(Box::new(spring::Spring::of_spec(force, context)?)),
         ForceSpec::Tendon { .. } => one(Box::new(tendon::Tendon::of_spec(force, context)?)),
-        ForceSpec::Wind { .. } => wind::Wind::of_spec(force, context)?
-            .into_iter()
-            .map(|wind| Box::new(wind) as Box<dyn ForceElement>)
-            .collect(),
+        ForceSpec::Curvature { .. } => boxed(curvature::Curvature::of_spec(force, context)?),
+        ForceSpec::SheetWind { .. } => boxed(sheet_wind::SheetWind::of_spec(force, context)?),
+        ForceSpec::Wind { .. } => boxed(wind::Wind::of_spec(force, context)?),
     })
+}
+
+fn boxed<F: ForceElement + 'static>(forces: Vec<F>) -> Vec<Box<dyn ForceElement>> {
+    forces.into_iter().map(|force| Box::new(force) as Box<dyn ForceElement>).collect()
 }
 
 /// The error of a force that was asked to read the document of another kind.

@@ -83,10 +83,12 @@ impl System {
             self.noted_energy = None;
             return Ok(());
         }
-        // The work of drives and winches is not known here.
+        // The work of drives, winches and of what stores more or less in time is not known here.
         let mut rate = vec![0.0; self.multipliers()];
         self.constraint_rate(after.t, after.q, &mut rate);
-        if rate.iter().any(|r| *r != 0.0) || !model.winches.is_empty() {
+        let changing = model.forces.iter().any(|f| f.force.is_rheonomic())
+            || model.chambers.iter().any(|chamber| chamber.flows);
+        if rate.iter().any(|r| *r != 0.0) || !model.winches.is_empty() || changing {
             return Ok(());
         }
         let last = match self.noted_energy {
@@ -149,6 +151,7 @@ impl System {
     fn energy_with(&self, search: &mut Search, at: Point<'_>) -> [f64; 3] {
         let mut energy = self.model.energy_of_bodies(&self.wound, at.q, at.v);
         energy[1] += self.model.stored_energy(self.moment(at.t), at.q, at.v);
+        energy[1] += self.model.gas_energy(self.moment(at.t), at.q, false);
         energy[1] += self.model.contacts.energy(search, at.q);
         energy
     }

@@ -63,7 +63,8 @@ impl Model {
         let works =
             |f: &PlacedForce| f.force.is_rheonomic() || f.force.parts().contains(&Part::Work);
         let driven = self.joints.iter().any(|joint| joint.joint.is_driven());
-        driven || !self.loads.is_empty() || self.forces.iter().any(works)
+        let flows = self.chambers.iter().any(|chamber| chamber.flows);
+        driven || flows || !self.loads.is_empty() || self.forces.iter().any(works)
     }
 }
 
@@ -98,7 +99,7 @@ impl System {
                 energy += placed.force.energy(at);
             }
         });
-        energy
+        energy + self.model.gas_energy(self.moment(t), q, true)
     }
 
     /// Power that passes forces from outside into loss.

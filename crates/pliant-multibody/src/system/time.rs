@@ -2,7 +2,7 @@
 
 use super::{Mode, System};
 use crate::memory::Last;
-use crate::model::PlacedJoint;
+use crate::model::{Beginning, PlacedIntegral, PlacedJoint};
 use crate::signal::Moment;
 use pliant_dae::problem::{EvaluationError, Point};
 
@@ -141,11 +141,13 @@ impl System {
         }
         let (start, held) = (self.memory.last.t, self.memory.held.len());
         let mut sums = self.memory.last.integrals.clone();
-        let h = if self.mode == Mode::Static { 0.0 } else { t - start };
-        if h != 0.0 {
+        let h = t - start;
+        let dynamic = self.mode == Mode::Dynamic;
+        let grows = |integral: &PlacedIntegral| dynamic || integral.in_statics;
+        if h != 0.0 && model.integrals.iter().any(grows) {
             let is_held = |first: usize| first < held;
             for (k, integral) in model.integrals.iter().enumerate() {
-                if integral.rate.any_input(&is_held) {
+                if grows(integral) && integral.rate.any_input(&is_held) {
                     let now = Moment { inputs: &self.input_values, ..Moment::at(t) };
                     let before = self.memory.last.rates[k];
                     sums[k] += 0.5 * h * (before + integral.rate.at(now)[0]);
@@ -156,7 +158,7 @@ impl System {
                 let inputs = self.ask(t)?;
                 let now = Moment { inputs: &inputs, ..Moment::at(t) };
                 for (sum, integral) in sums.iter_mut().zip(&model.integrals) {
-                    if !integral.rate.any_input(&is_held) {
+                    if grows(integral) && !integral.rate.any_input(&is_held) {
                         *sum += weight * h * integral.rate.at(now)[0];
                     }
                 }
@@ -181,7 +183,11 @@ impl System {
     pub fn begin(&mut self, t: f64, q: &[f64]) {
         let model = self.model.clone();
         let angles = model.freedoms.iter().map(|f| f.y.value(q)).collect();
-        let integrals: Vec<f64> = model.integrals.iter().map(|i| i.from.value(q)).collect();
+        let first = |integral: &PlacedIntegral| match &integral.from {
+            Beginning::Freedom(y) => y.value(q),
+            Beginning::Mass(chamber) => model.chambers[*chamber].first_mass(q),
+        };
+        let integrals: Vec<f64> = model.integrals.iter().map(first).collect();
         let rates = vec![0.0; integrals.len()];
         let joints = vec![0.0; model.joint_memory];
         self.memory.last = Last { t, angles, integrals, rates, joints };
@@ -238,6 +244,7 @@ impl System {
             out.extend(moment);
         }
         out.extend(&self.memory.last.angles);
+        self.chamber_outputs(at, out);
         out.extend(self.wound.lengths.iter().flatten());
         self.show_contact(out);
     }

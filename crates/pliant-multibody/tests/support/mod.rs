@@ -3,7 +3,8 @@
 
 use pliant_multibody::spec::{
     Array, BendingSpec, CableSpec, ContactSpec, FrictionSpec, IntegrationSpec, JointSpec,
-    MasterSpec, ModelSpec, PointSpec, StrainSpec, VERSION,
+    MasterSpec, ModelSpec, PointSpec, QuadratureSpec, StrainSpec, SurfaceMaterialSpec, SurfaceSpec,
+    VERSION,
 };
 use std::f64::consts::PI;
 
@@ -35,6 +36,44 @@ pub fn straight_cable(name: &str, elements: usize, length: f64) -> CableSpec {
     }
 }
 
+/// A flat bicubic sheet of `n` faces of the given size in the xy plane, of the soft material E and the thickness h.
+pub fn sheet([nu, nv]: [usize; 2], [a, b]: [f64; 2], e: f64, h: f64) -> SurfaceSpec {
+    let none = || Array::Inline(Vec::new());
+    let mut reference = Vec::new();
+    for i in 0..=nu {
+        for j in 0..=nv {
+            reference.extend([a * i as f64, b * j as f64, 0.0]);
+            reference.extend([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+        }
+    }
+    let mut quads = Vec::new();
+    for i in 0..nu {
+        for j in 0..nv {
+            let at = |i: usize, j: usize| (i * (nv + 1) + j) as f64;
+            quads.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    SurfaceSpec {
+        name: "sheet".to_owned(),
+        vectors: 4,
+        reference: Array::Inline(reference),
+        q: none(),
+        v: none(),
+        quad_sizes: Array::Inline([a, b].repeat(nu * nv)),
+        quads: Array::Inline(quads),
+        triangles: none(),
+        triangle_charts: none(),
+        thickness: Array::Inline(vec![h]),
+        material: SurfaceMaterialSpec::SaintVenantKirchhoff {
+            youngs_modulus: e,
+            poisson_ratio: 0.3,
+        },
+        density: 10.0,
+        retardation_time: 0.0,
+        quadrature: QuadratureSpec::Standard,
+    }
+}
+
 /// A document of the given cables and joints.
 pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec>) -> ModelSpec {
     ModelSpec {
@@ -51,6 +90,7 @@ pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec
         loads: Vec::new(),
         forces: Vec::new(),
         contacts: Vec::new(),
+        chambers: Vec::new(),
     }
 }
 
