@@ -15,6 +15,8 @@ SMALL = {
     "crossing_ropes": {"elements": (6, 12, 24), "steps": (1e-3, 5e-4, 2.5e-4), "duration": 0.05},
     "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
     "cable_robot": {"elements": 2, "duration": 2.5},
+    "cable_slap": {"elements": 60, "step": 5e-4, "duration": 0.3},
+    "capstan": {"members": 1, "wrap": 2.0, "elements": 40, "duration": 0.3},
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},

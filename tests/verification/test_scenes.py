@@ -69,3 +69,29 @@ def test_a_scene_tells_which_measures_fail():
     measured = {"energy drift": 1.0, "momentum balance": np.nan, "hook gap": 0.0}
     assert scene.failures(measured) == ["energy drift", "momentum balance"]
     assert scene.report(measured).count("FAIL") == 2
+
+
+def test_a_string_that_misses_the_post_swings_freely():
+    length, speed = 12.0, 60.0
+    time = np.linspace(0.0, 0.8, 8001)
+    way, impulse = scenes.string_and_post(time, length, speed, 3.0, 0.3, 1 / 3, gap=1.0)
+    assert not impulse.any()
+    # After half a period a string has the shape of its start, turned over in both directions.
+    half = round(length / speed / 1e-4)
+    assert way[0] == pytest.approx(0.3 * 0.5 / (2 / 3))
+    assert way[half] == pytest.approx(-way[0])
+    assert np.allclose(way[2 * half :], way[: len(way) - 2 * half], atol=1e-12)
+
+
+def test_a_string_lies_on_the_post_until_waves_take_it_away():
+    length, speed, impedance = 12.0, 60.0, 3.0
+    time = np.linspace(0.0, 0.3, 30001)
+    way, impulse = scenes.string_and_post(time, length, speed, impedance, 0.3, 1 / 3, gap=0.02)
+    assert way.min() == pytest.approx(-0.02, abs=1e-12)
+    pushing = np.diff(impulse) > 0
+    assert np.all(way[1:][pushing] == pytest.approx(-0.02, abs=1e-12))
+    # The middle strikes with the velocity of the passing kinks, c times half the bend of the pluck, and is
+    # stopped at once: the post's force is 2 Z times that.
+    bend = 0.3 / 4.0 + 0.3 / 8.0
+    force = np.diff(impulse)[pushing] / time[1]
+    assert np.median(force) == pytest.approx(2 * impedance * speed * bend / 2, rel=1e-9)

@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 from pliant.scenes.bridge_catenary import bridge_catenary, elastic_catenary, loaded_catenary
 from pliant.scenes.bungee import bungee, drop_test, stopping_tension
+from pliant.scenes.cable_slap import cable_slap, string_and_post
+from pliant.scenes.capstan import capstan
 from pliant.scenes.falling_rope import falling_rope
 from pliant.scenes.folded_chain import folded_chain
 from pliant.scenes.galloping_line import galloping_line
@@ -19,6 +21,8 @@ __all__ = [
     "Scene",
     "bridge_catenary",
     "bungee",
+    "cable_slap",
+    "capstan",
     "drop_test",
     "elastic_catenary",
     "energy_drift",
@@ -29,6 +33,7 @@ __all__ = [
     "loaded_catenary",
     "pendulum_winch",
     "stopping_tension",
+    "string_and_post",
 ]
 
 SCENES: dict[str, Callable[..., Scene]] = {
@@ -42,6 +47,8 @@ SCENES: dict[str, Callable[..., Scene]] = {
         bungee,
         drop_test,
         pendulum_winch,
+        capstan,
+        cable_slap,
     )
 }
 """Scenes by name, each with its defaults."""
