@@ -6,8 +6,11 @@
 pub mod broad_phase;
 pub mod curve;
 pub mod friction;
+pub mod manifolds;
+pub mod meshes;
 pub mod normal;
 pub mod point;
+pub mod probe;
 pub mod shapes;
 pub mod touch;
 pub mod zones;

@@ -1,6 +1,7 @@
 //! Shapes: signed distance of a point, below zero inside, with its gradient and Hessian. Axis z, centre at the origin of
 //! the shape's own frame.
 
+use crate::meshes::Mesh;
 use nalgebra::{Matrix3, Vector3};
 
 /// A shape in its own frame.
@@ -32,6 +33,8 @@ pub enum Shape {
         /// Half of the distance between the balls' centres [m].
         half: f64,
     },
+    /// A surface of triangles.
+    Mesh(Mesh),
 }
 
 /// Signed distance, its gradient (a unit vector, outwards) and its Hessian.
@@ -59,6 +62,7 @@ impl Shape {
     pub fn distance(&self, q: Vector3<f64>) -> Distance {
         let across = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
         match *self {
+            Self::Mesh(ref mesh) => mesh.distance(q),
             Self::HalfSpace => {
                 Distance { value: q.z, normal: Vector3::z(), hessian: Matrix3::zeros() }
             }
@@ -90,7 +94,7 @@ impl Shape {
         match *self {
             Self::HalfSpace => f64::INFINITY,
             Self::Ball { radius } | Self::Capsule { radius, .. } => radius,
-            Self::Box { .. } | Self::Cylinder { .. } => 0.0,
+            Self::Box { .. } | Self::Cylinder { .. } | Self::Mesh(_) => 0.0,
         }
     }
 
@@ -103,6 +107,7 @@ impl Shape {
             Self::Box { half } => half,
             Self::Cylinder { radius, half } => [radius, radius, half],
             Self::Capsule { radius, half } => [radius, radius, half + radius],
+            Self::Mesh(ref mesh) => mesh.half_extent(),
         }
     }
 }
