@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pliant.contacts import HalfSpace
+from pliant.contacts import HalfSpace, TriangleMesh
 from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.friction import Coulomb, LuGre, lugre
@@ -89,6 +89,7 @@ __all__ = [
     "Sphere",
     "Stepper",
     "Table",
+    "TriangleMesh",
     "Tube",
     "lugre",
     "resume",

@@ -45,8 +45,10 @@ class ContactForces(Forces):
         rows = self._records.outputs
         start = rows.shape[1] - 6 * len(contacts)
         lowered = self._lowered
+        lines = lowered.contacts
+        others = [contact.name for contact in contacts if contact.name not in lines]
         found = False
-        for k, contact in enumerate(contacts):
+        for contact in contacts:
             if on not in (contact.a, contact.b):
                 continue
             other = contact.b if contact.a == on else contact.a
@@ -55,8 +57,13 @@ class ContactForces(Forces):
             found = True
             if other == on:
                 continue
-            slave = lowered.document["contacts"][k]["slave"]
-            sign = 1.0 if lowered.cables.get(on) == slave else -1.0
+            if contact.name in lines:
+                k = lines[contact.name]
+                is_first = lowered.cables.get(on) == lowered.document["contacts"][k]["slave"]
+            else:
+                k = len(lines) + others.index(contact.name)
+                is_first = on == contact.a
+            sign = 1.0 if is_first else -1.0
             total += sign * rows[:, start + 6 * k + first :][:, :3]
         if not found:
             _check.fail(

@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant import _check
 from pliant.bodies import Body, LineBody, MassBody
+from pliant._sides import why_not
 from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import ModelError
 from pliant.forces import ON_FACES, ForceData, Wind
@@ -144,11 +145,13 @@ class Contents:
             elif not isinstance(self._bodies[load.body], LineBody):
                 raise ModelError(f"load '{load.name}': '{load.body}' is no cable")
         for contact in self._contacts.values():
-            if not isinstance(self._bodies.get(contact.a), LineBody):
-                raise ModelError(f"contact '{contact.name}': '{contact.a}' is no cable")
-            other = self._bodies.get(contact.b) or self._obstacles.get(contact.b)
-            if not isinstance(other, (LineBody, ObstacleData)):
-                raise ModelError(f"contact '{contact.name}': '{contact.b}' is no cable and no obstacle")
+            sides = [self._bodies.get(name) or self._obstacles.get(name) for name in (contact.a, contact.b)]
+            for name, side in zip((contact.a, contact.b), sides, strict=True):
+                if side is None:
+                    raise ModelError(f"contact '{contact.name}': there is no '{name}'")
+            reason = why_not(*(side for side in sides if side is not None))
+            if reason is not None:
+                raise ModelError(f"contact '{contact.name}': {reason}")
         for place, kinds in places:
             if not isinstance(place, kinds):
                 raise ModelError(f"{place!r} is no point")

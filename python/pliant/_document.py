@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pliant.bodies import LineBody, MassBody
-from pliant.contacts import ContactData, HalfSpace, ObstacleData
+from pliant.contacts import ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.errors import ModelError
 from pliant.forces import FORCES
 from pliant.friction import Coulomb, LuGre
@@ -43,6 +43,7 @@ KINDS: Mapping[str, type[Any]] = {
         ContactData,
         ObstacleData,
         HalfSpace,
+        TriangleMesh,
         LuGre,
         Coulomb,
         Force,

@@ -12,6 +12,7 @@ from pliant._closure import Closure
 from pliant._edges import EdgeEquations, is_held
 from pliant._lowered import BodyState, Input, Lowered, is_load, numbers_of, signals_of
 from pliant._sharing import Sharing
+from pliant._sides import document, is_of_lines
 from pliant._stops import stops
 from pliant.bodies import LineBody
 from pliant.contacts import ContactData, arc, knots
@@ -98,6 +99,9 @@ class _Lowering(Sharing):
         relocated = self._relocated()
         places, speeds = self._shared_points(relocated)
         joints = self._joints()
+        contacts = list(self.model._contacts.values())
+        of_lines = [contact.name for contact in contacts if self._is_of_lines(contact)]
+        out.contacts = {name: k for k, name in enumerate(of_lines)}
         out.document = {
             "version": VERSION,
             "gravity": self.model.gravity.tolist(),
@@ -128,8 +132,11 @@ class _Lowering(Sharing):
             "latches": self._latches(),
             "loads": [self._load(load) for load in self.model._loads.values() if is_load(load)],
             "forces": self._forces(),
-            "contacts": [self._contact(contact) for contact in self.model._contacts.values()],
             "chambers": self._chambers(),
+            "contacts": [self._contact(contact) for contact in contacts if contact.name in out.contacts],
+            "probe_contacts": [
+                document(contact, self) for contact in contacts if contact.name not in out.contacts
+            ],
         }
         out.multipliers = 6 * len(self.rigid) + sum(
             self._equations(joint)
@@ -347,6 +354,11 @@ class _Lowering(Sharing):
             axes = [document.pop(f"axis_{k}") for k in "xyz"]
             document["orientation"] = axes if axes[0] is not None else None
         return document
+
+    def _is_of_lines(self, contact: ContactData) -> bool:
+        model = self.model
+        a, b = (model._bodies.get(name) or model._obstacles[name] for name in (contact.a, contact.b))
+        return is_of_lines(a, b)
 
     def _contact(self, contact: ContactData) -> Json:
         """Write a contact; the cable of the finer mesh carries the points."""

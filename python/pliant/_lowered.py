@@ -64,6 +64,8 @@ class Lowered:
         Number of the core's force of each spring.
     chambers : dict
         Number of each chamber.
+    contacts : dict
+        Number of the core's contact of lines of each; the others follow in their order.
     grows : list of str or None
         What the load factor of a static run acted on: loads, "gravity"; None: everything.
     critical : list
@@ -84,6 +86,7 @@ class Lowered:
     surfaces: dict[str, int] = field(default_factory=dict)
     forces: dict[str, int] = field(default_factory=dict)
     chambers: dict[str, int] = field(default_factory=dict)
+    contacts: dict[str, int] = field(default_factory=dict)
     plan: dict[str, Json] = field(default_factory=dict)
     coordinates: int = 0
     multipliers: int = 0

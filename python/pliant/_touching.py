@@ -10,7 +10,8 @@ import numpy as np
 from pliant import _check
 from pliant._actuation import Actuation
 from pliant.bodies import LineBody
-from pliant.contacts import ContactData, HalfSpace, ObstacleData
+from pliant._sides import why_not
+from pliant.contacts import ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.points import Contact, Handle, Obstacle, require_handle
 from pliant.shapes import Shape
 from pliant.typing import ArrayLike
@@ -33,7 +34,7 @@ class Touching(Actuation):
 
         Parameters
         ----------
-        shape : HalfSpace, Sphere, Box, Cylinder or Capsule
+        shape : HalfSpace, Sphere, Box, Cylinder, Capsule or TriangleMesh
             The shape; a half-space lies below the plane through ``position``.
         position : array_like, shape (3,)
             Its centre [m].
@@ -54,8 +55,8 @@ class Touching(Actuation):
         >>> drum.name
         'obstacle2'
         """
-        if not isinstance(shape, (Shape, HalfSpace)):
-            _check.fail("shape", shape, "must be a HalfSpace, Sphere, Box, Cylinder or Capsule")
+        if not isinstance(shape, (Shape, HalfSpace, TriangleMesh)):
+            _check.fail("shape", shape, "must be a HalfSpace, Sphere, Box, Cylinder, Capsule or TriangleMesh")
         place = _check.vector(position, "position")
         axes = np.eye(3)
         if orientation is not None:
@@ -84,13 +85,16 @@ class Touching(Actuation):
 
         Parameters
         ----------
-        a : Cable or CableNet
-            A body.
-        b : Cable, CableNet or Obstacle, optional
-            The other; None: ``a`` itself.
+        a : Cable, CableNet, Shell, Membrane, RigidBody or PointMass
+            A body; a rigid body must have a shape.
+        b : body or Obstacle, optional
+            The other; None: ``a`` itself. Shells, membranes and point masses touch obstacles and rigid bodies;
+            cables these and each other.
         stiffness : float, optional
-            Force per penetration and length of a line contact [N/m^2]; None: as stiff as two round bars of
-            these materials that cross.
+            Force per penetration: per length of a cable [N/m^2], per area of a shell or membrane [N/m^3], at a
+            point of a rigid body or mass [N/m]. None: of cables as stiff as two round bars of these materials
+            that cross; of surfaces E/t, a layer of the material; of rigid bodies such that the lighter one sinks
+            in by a thousandth of its size under its weight.
         damping : float, optional
             Hunt-Crossley [s/m]: the force times 1 + damping x approach speed, never pulling; None: 3.
         friction : LuGre or Coulomb, optional
@@ -116,8 +120,9 @@ class Touching(Actuation):
         names = [self._partner(a, "a"), self._partner(a if b is None else b, "b")]
         if names[0] in self._obstacles:
             names.reverse()
-        if names[0] in self._obstacles:
-            _check.fail("a", a, "two obstacles do not move: one of the two must be a cable")
+        reason = why_not(*(self._obstacles.get(name) or self._bodies[name] for name in names))
+        if reason is not None:
+            _check.fail("a" if b is None or names[0] in self._obstacles else "b", a if b is None else b, reason)
         for other in self._contacts.values():
             if {other.a, other.b} == set(names):
                 _check.fail("b", b, f"the two touch already in '{other.name}'")
@@ -133,12 +138,12 @@ class Touching(Actuation):
         damping: float | None = None,
         friction: Any = None,
     ) -> list[Contact]:
-        """Let all of these bodies touch each other, each of them itself, and the obstacles among them.
+        """Let all of these bodies touch each other, cables also themselves, and the obstacles among them.
 
         Parameters
         ----------
-        bodies : sequence of Cable, CableNet or Obstacle
-            At least one cable.
+        bodies : sequence of bodies and Obstacles
+            At least one body.
         stiffness, damping, friction
             As for :meth:`add_contact`.
 
@@ -167,20 +172,18 @@ class Touching(Actuation):
             for k, one in enumerate(items)
             for other in items[k:]
             if not (isinstance(one, Obstacle) and isinstance(other, Obstacle))
+            and (one is not other or isinstance(self._body(one, "bodies"), LineBody))
         ]
         if not pairs:
-            _check.fail("bodies", bodies, "must hold at least one cable")
+            _check.fail("bodies", bodies, "must hold a cable, or two that may touch")
         options = {"stiffness": stiffness, "damping": damping, "friction": friction}
         return [self.add_contact(one, other, **options) for one, other in pairs]
 
     def _partner(self, value: Any, name: str) -> str:
-        """Name of a body or obstacle that may touch something."""
+        """Name of a body or obstacle."""
         if isinstance(value, Obstacle):
             require_handle(value, name, self._identity)
             if value.name not in self._obstacles:
                 _check.fail(name, value, f"this model has no obstacle '{value.name}'")
             return value.name
-        body = self._body(value, name)
-        if not isinstance(body, LineBody):
-            _check.fail(name, value, "this kind of body cannot touch: must be a cable or an obstacle")
-        return body.name
+        return self._body(value, name).name

@@ -219,10 +219,12 @@ class MassBody:
     at: Point | None
     position: WorldPoint
     velocity: WorldPoint
+    radius: float = 0.0
 
     def __post_init__(self) -> None:
         _check.text(self.name, "name")
         _check.number(self.mass, "mass", above=0)
+        _check.number(self.radius, "radius", at_least=0)
         for place in (self.position, self.velocity):
             if not isinstance(place, WorldPoint):
                 _check.fail("position", place, "must be three numbers")

@@ -14,7 +14,7 @@ from pliant.points import Point
 from pliant.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from pliant.typing import FloatArray, Json
 
-__all__ = ["ContactData", "HalfSpace", "ObstacleData"]
+__all__ = ["ContactData", "HalfSpace", "ObstacleData", "TriangleMesh"]
 
 POISSON_RATIO = 0.4  # of the default stiffness, which hardly depends on it
 RAMP = 0.005  # penetration at which the full stiffness is reached, over the radius
@@ -48,17 +48,53 @@ class HalfSpace:
 
 
 @dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """A surface of triangles, as an obstacle: terrain, a mould, a part read from a file.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        Corners [m].
+    triangles : array_like, shape (m, 3)
+        Numbers of three points for each triangle, counter-clockwise seen from outside. The surface may be
+        closed or, like a terrain, have a rim; behind it all is solid.
+
+    Examples
+    --------
+    >>> slope = TriangleMesh([(0, 0, 0), (2, 0, 1), (2, 3, 1), (0, 3, 0)], [(0, 1, 2), (0, 2, 3)])
+    >>> slope.triangles.shape
+    (2, 3)
+    """
+
+    points: Any
+    triangles: Any
+
+    def __post_init__(self) -> None:
+        points = _check.array(self.points, "points", (None, 3))
+        triangles = _check.integers(self.triangles, "triangles", (None, 3))
+        if not len(triangles) or triangles.min() < 0 or triangles.max() >= len(points):
+            _check.fail("triangles", self.triangles, f"must be numbers of points, 0 to {len(points) - 1}")
+        a, b, c = (points[triangles[:, k]] for k in range(3))
+        flat = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= 1e-14 * float(np.ptp(points)) ** 2
+        if flat.any():
+            bad = int(np.argmax(flat))
+            _check.fail("triangles", triangles[bad].tolist(), f"triangle {bad} has no area")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "triangles", triangles)
+
+
+@dataclass(frozen=True, eq=False)
 class ObstacleData:
     """A fixed shape; ``axes`` has the shape's axes as rows."""
 
     name: str
-    shape: Shape | HalfSpace
+    shape: Shape | HalfSpace | TriangleMesh
     position: FloatArray
     axes: FloatArray
 
     def __post_init__(self) -> None:
         _check.text(self.name, "name")
-        if not isinstance(self.shape, (Shape, HalfSpace)):
+        if not isinstance(self.shape, (Shape, HalfSpace, TriangleMesh)):
             _check.fail("shape", self.shape, "must be a shape")
         object.__setattr__(self, "position", _check.vector(self.position, "position"))
         object.__setattr__(self, "axes", _check.array(self.axes, "axes", (3, 3)))
@@ -67,19 +103,29 @@ class ObstacleData:
         """Write the obstacle as the core reads it."""
         shape = self.shape
         axes = self.axes
-        kind: Json
         if isinstance(shape, HalfSpace):
-            kind = {"kind": "half_space"}
             axes = frame(axes.T @ shape.normal)
-        elif isinstance(shape, Sphere):
-            kind = {"kind": "sphere", "radius": shape.radius}
-        elif isinstance(shape, Box):
-            kind = {"kind": "box", "size": np.asarray(shape.size).tolist()}
-        else:
-            assert isinstance(shape, (Cylinder, Capsule))
-            name = "cylinder" if isinstance(shape, Cylinder) else "capsule"
-            kind = {"kind": name, "radius": shape.radius, "length": shape.length}
+        kind = shape_document(shape)
         return {"kind": "shape", "origin": self.position.tolist(), "axes": axes.tolist(), "shape": kind}
+
+
+def shape_document(shape: Shape | HalfSpace | TriangleMesh) -> Json:
+    """Write a shape in its own frame."""
+    if isinstance(shape, HalfSpace):
+        return {"kind": "half_space"}
+    if isinstance(shape, TriangleMesh):
+        return {
+            "kind": "mesh",
+            "points": shape.points.ravel().tolist(),
+            "triangles": [float(k) for k in shape.triangles.ravel()],
+        }
+    if isinstance(shape, Sphere):
+        return {"kind": "sphere", "radius": shape.radius}
+    if isinstance(shape, Box):
+        return {"kind": "box", "size": np.asarray(shape.size).tolist()}
+    assert isinstance(shape, (Cylinder, Capsule))
+    name = "cylinder" if isinstance(shape, Cylinder) else "capsule"
+    return {"kind": name, "radius": shape.radius, "length": shape.length}
 
 
 @dataclass(frozen=True)

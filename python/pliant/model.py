@@ -270,6 +270,7 @@ class Model(Pneumatics, Touching):
         *,
         at: Any,
         velocity: ArrayLike = (0.0, 0.0, 0.0),
+        radius: float = 0.0,
         name: str | None = None,
     ) -> PointMass:
         """Add a lumped mass.
@@ -282,6 +283,8 @@ class Model(Pneumatics, Touching):
             A material point, or where a free mass starts [m].
         velocity : array_like, shape (3,)
             Velocity of a free mass at the start [m/s].
+        radius : float
+            Radius for contact [m]; 0: a point.
 
         Returns
         -------
@@ -309,7 +312,8 @@ class Model(Pneumatics, Touching):
             place = self._position(point)
         else:
             place = _check.vector(at, "at")
-        self._bodies[name] = MassBody(name, mass, point, world_point(place), world_point(speed))
+        radius = _check.number(radius, "radius", at_least=0)
+        self._bodies[name] = MassBody(name, mass, point, world_point(place), world_point(speed), radius)
         return self._mass_handle(name)
 
     # Joints

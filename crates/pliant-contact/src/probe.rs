@@ -215,12 +215,14 @@ impl Probe {
     }
 
     /// Adds the derivatives of [`Self::add_force`], `stiffness` times that by the vectors plus `damping` times that by
-    /// their velocities. How the bristles turn with the normal is left out.
+    /// their velocities. How the bristles turn with the normal is left out; where `symmetric`, also how the rate of
+    /// penetration depends on the place.
     pub fn add_tangent(
         &self,
         laws: &Laws,
         motion: &Motion<'_>,
         (stiffness, damping): (f64, f64),
+        symmetric: bool,
         out: &mut Blocks,
     ) {
         let force = self.force(laws, motion);
@@ -264,7 +266,11 @@ impl Probe {
                 total
             };
             let v_shift = shifted(motion.v);
-            let rate = -(d_n.transpose() * v) - v_shift.transpose() * n;
+            let rate = if symmetric {
+                Vector3::zeros()
+            } else {
+                -(d_n.transpose() * v) - v_shift.transpose() * n
+            };
             let d_p = (d_g * -pressure.by_depth + rate * pressure.by_rate) * stiffness
                 - n * (pressure.by_rate * w[l] * damping);
             let mut d_f = n * d_p.transpose() + d_n * (pressure.p * stiffness);

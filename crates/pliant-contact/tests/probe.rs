@@ -121,7 +121,7 @@ proptest! {
                     let laws = laws(friction);
                     let motion = Motion { v: &case.v, moved: &case.moved, h: 2e-3, z: case.z };
                     let mut blocks: Blocks = [[Matrix3::zeros(); 8]; 8];
-                    here.add_tangent(&laws, &motion, weights, &mut blocks);
+                    here.add_tangent(&laws, &motion, weights, false, &mut blocks);
                     let size = blocks.iter().flatten().map(|b| b.amax()).fold(1.0, f64::max);
                     let e = 1e-7;
                     for l in 0..8 {

@@ -114,7 +114,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let has_transit = forces.iter().any(|f| f.force.has_transit());
     let damped = |cable: &CableSpec| cable.rest_length.is_some() && cable.retardation_time != 0.0;
     let uses_rates = has_transit || spec.cables.iter().any(damped);
-    let mut contacts = Contacts::of_spec(spec, arrays, &map)?;
+    let mut contacts = Contacts::of_spec(spec, arrays, &map, &mut structure)?;
     let weight = vector(spec.gravity).norm();
     let mut model = Model {
         map,

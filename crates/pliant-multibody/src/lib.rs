@@ -17,6 +17,7 @@ pub mod memory;
 pub mod model;
 mod output;
 pub mod point;
+pub mod probes;
 pub mod rigid;
 pub mod run;
 pub mod signal;

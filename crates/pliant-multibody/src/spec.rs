@@ -3,6 +3,7 @@
 //! Points, curves and sections of the user's model have become nodes, elements and stiffness at quadrature points;
 //! names stay, for messages. Large arrays travel beside the document: `{"array": k}` points at number k.
 
+use crate::probes::spec::ProbeContactSpec;
 use serde::{Deserialize, Serialize};
 
 /// The version of the document that this crate reads and writes.
@@ -53,6 +54,9 @@ pub struct ModelSpec {
     /// Pairs that may touch.
     #[serde(default)]
     pub contacts: Vec<ContactSpec>,
+    /// Pairs that may touch, other than lines with lines or shapes at rest.
+    #[serde(default)]
+    pub probe_contacts: Vec<ProbeContactSpec>,
     /// Forces that depend on positions and velocities.
     #[serde(default)]
     pub forces: Vec<ForceSpec>,
@@ -295,18 +299,13 @@ pub enum ShapeSpec {
         /// Length between the centres of the balls [m].
         length: f64,
     },
-}
-
-impl From<&ShapeSpec> for pliant_contact::shapes::Shape {
-    fn from(spec: &ShapeSpec) -> Self {
-        match *spec {
-            ShapeSpec::HalfSpace => Self::HalfSpace,
-            ShapeSpec::Sphere { radius } => Self::Ball { radius },
-            ShapeSpec::Box { size } => Self::Box { half: size.map(|x| 0.5 * x) },
-            ShapeSpec::Cylinder { radius, length } => Self::Cylinder { radius, half: 0.5 * length },
-            ShapeSpec::Capsule { radius, length } => Self::Capsule { radius, half: 0.5 * length },
-        }
-    }
+    /// A surface of triangles, outwards where they go counter-clockwise.
+    Mesh {
+        /// Its points (n, 3) [m].
+        points: Array,
+        /// Rows of three points (m, 3).
+        triangles: Array,
+    },
 }
 
 /// A law of friction, all coefficients given.

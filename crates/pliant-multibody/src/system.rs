@@ -329,8 +329,9 @@ impl System {
         {
             return energy;
         }
-        let totals = &self.memory.contact.totals;
-        let apart = !totals.is_empty() && totals.iter().all(|f| f[..3] == [0.0; 3]);
+        let contact = &self.memory.contact;
+        let known = !contact.totals.is_empty() || !contact.probes.totals.is_empty();
+        let apart = known && !contact.has_touched();
         let mut energy = if apart || self.model.contacts.is_empty() {
             self.model.energy_of_bodies(&self.wound, q, v)
         } else {

@@ -41,6 +41,7 @@ pub fn cable_element(cable: &CableSpec, q: &[f64], v: &[f64]) -> Result<Element,
         forces: Vec::new(),
         contacts: Vec::new(),
         chambers: Vec::new(),
+        probe_contacts: Vec::new(),
     };
     let model = Model::new(&spec, &[])?;
     for (what, array) in

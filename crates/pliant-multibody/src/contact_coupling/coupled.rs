@@ -132,6 +132,8 @@ impl Coupled {
         for placed in &self.placed {
             values[placed.base..placed.base + entries(placed.size, placed.storage)].fill(0.0);
         }
+        let factors = (stiffness, damping, at_rest);
+        contacts.probes.tangents(&mut search.probes, memory, at, factors, values);
         if stiffness == 0.0 && damping == 0.0 {
             return;
         }

@@ -4,6 +4,7 @@
 //! them back exactly); beyond the ends of the old zone those of the nearest point within two radii serve. A grid fixed
 //! to the material would smear them at every step, and a sloping load would creep.
 
+use crate::probes::memory::ProbeMemory;
 use nalgebra::Vector3;
 use pliant_contact::friction::transport;
 use serde::{Deserialize, Serialize};
@@ -53,9 +54,18 @@ pub struct ContactMemory {
     pub totals: Vec<[f64; 6]>,
     /// Largest energy in motion and in contact so far [J].
     pub peak: f64,
+    /// Of bodies other than lines.
+    pub probes: ProbeMemory,
 }
 
 impl ContactMemory {
+    /// Whether anything touched at the last accepted step.
+    #[must_use]
+    pub fn has_touched(&self) -> bool {
+        let all = self.totals.iter().chain(&self.probes.totals);
+        all.into_iter().any(|f| f[..3] != [0.0; 3])
+    }
+
     /// Deflection at a new point with the normal `n`.
     #[must_use]
     pub fn bristle(

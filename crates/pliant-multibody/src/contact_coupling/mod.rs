@@ -10,13 +10,16 @@ pub mod run;
 use crate::document::Arrays;
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
-use crate::spec::{ContactSpec, FrictionSpec, MasterSpec, ModelSpec};
+use crate::probes::Probes;
+use crate::probes::spec::shape_of;
+use crate::spec::{FrictionSpec, MasterSpec, ModelSpec};
 use nalgebra::{Matrix3, Vector3};
 use pliant_contact::curve::Piece;
 use pliant_contact::friction::{Coulomb, Friction, LuGre};
 use pliant_contact::normal::Normal;
 use pliant_contact::point::Laws;
-use pliant_contact::shapes::{Placed, Shape};
+use pliant_contact::shapes::Placed;
+use pliant_dae::structure::Structure;
 use std::collections::HashMap;
 
 /// One element of a line.
@@ -106,6 +109,8 @@ pub struct Contacts {
     pub energy_floor: f64,
     /// Highest angular frequency of a line on its contact, `sqrt(k/(rho A))` [1/s].
     pub frequency: f64,
+    /// Contacts of bodies other than lines.
+    pub probes: Probes,
 }
 
 impl Contacts {
@@ -117,6 +122,7 @@ impl Contacts {
         spec: &ModelSpec,
         arrays: Arrays<'_>,
         map: &DofMap,
+        structure: &mut Structure,
     ) -> Result<Self, ModelError> {
         let mut this = Self::default();
         let mut numbers = HashMap::new();
@@ -134,7 +140,7 @@ impl Contacts {
             let master = match &contact.master {
                 MasterSpec::Line { cable } => Master::Line(line(*cable)?),
                 MasterSpec::Shape { origin, axes, shape } => Master::Shape(Box::new(Placed {
-                    shape: Shape::from(shape),
+                    shape: shape_of(shape, arrays, &place)?,
                     origin: Vector3::from(*origin),
                     axes: Matrix3::from_columns(&axes.map(Vector3::from)),
                 })),
@@ -154,30 +160,45 @@ impl Contacts {
                 name: contact.name.clone(),
                 slave,
                 master,
-                laws: laws_of(contact, &place)?,
+                laws: laws_of(
+                    contact.stiffness,
+                    contact.ramp,
+                    contact.damping,
+                    &contact.friction,
+                    &place,
+                )?,
                 window: contact.window,
                 apart,
             });
         }
         let radii = this.lines.iter().flatten().map(|s| s.radius);
         this.radius = radii.fold(0.0, f64::max);
+        this.probes = Probes::of_spec(spec, arrays, map, structure)?;
+        this.radius = this.radius.max(this.probes.radius);
+        this.frequency = this.frequency.max(this.probes.frequency);
         Ok(this)
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
+        self.list.is_empty() && self.probes.is_empty()
     }
 }
 
-fn laws_of(contact: &ContactSpec, place: &str) -> Result<Laws, ModelError> {
-    let numbers = [contact.stiffness, contact.ramp, contact.damping];
+pub(crate) fn laws_of(
+    stiffness: f64,
+    ramp: f64,
+    damping: f64,
+    friction: &Option<FrictionSpec>,
+    place: &str,
+) -> Result<Laws, ModelError> {
+    let numbers = [stiffness, ramp, damping];
     if let Some(&value) = numbers.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
         let allowed = "stiffness, ramp and damping of zero or more";
         return Err(ModelError::Value { place: place.to_owned(), value, allowed });
     }
-    let friction = contact.friction.as_ref().map(|friction| match *friction {
+    let friction = friction.as_ref().map(|friction| match *friction {
         FrictionSpec::Lugre { mu_s, mu_d, v_s, alpha, sigma_0, sigma_1, sigma_2, scaled } => {
             let v_d = 5.0 * v_s;
             Friction::LuGre(LuGre {
@@ -196,12 +217,12 @@ fn laws_of(contact: &ContactSpec, place: &str) -> Result<Laws, ModelError> {
             Friction::Coulomb(Coulomb { mu, sigma_0, sigma_1 })
         }
     });
-    let normal = Normal { k: contact.stiffness, d_0: contact.ramp, c: contact.damping };
+    let normal = Normal { k: stiffness, d_0: ramp, c: damping };
     Ok(Laws { normal, friction })
 }
 
 /// The elements of a cable. Of several strands that end at one point, one has the round end there.
-fn line_of(
+pub(crate) fn line_of(
     spec: &ModelSpec,
     arrays: Arrays<'_>,
     map: &DofMap,

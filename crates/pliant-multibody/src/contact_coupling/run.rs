@@ -2,6 +2,7 @@
 
 use super::memory::{Bristle, ContactMemory, Pair};
 use super::{Contact, Contacts, Master};
+use crate::probes::find::Found;
 use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
 use pliant_contact::curve::Piece;
@@ -63,6 +64,8 @@ pub struct Search {
     margin: f64,
     touches: Vec<Touch>,
     found_at: Vec<f64>,
+    /// Probes in contact.
+    pub probes: Found,
 }
 
 impl Search {
@@ -78,6 +81,11 @@ impl Search {
             self.found_at.extend_from_slice(q);
         }
         &self.touches
+    }
+
+    /// Whether anything touches at `q`.
+    pub fn any(&mut self, contacts: &Contacts, q: &[f64]) -> bool {
+        !self.touches(contacts, q).is_empty() || contacts.probes.touch(&mut self.probes, q)
     }
 
     /// Finds candidates anew where something may have moved by more than their boxes allow.
@@ -310,6 +318,7 @@ impl Contacts {
                 }
             }
         }
+        self.probes.add_forces(&mut search.probes, memory, at, (part, at_rest), out);
     }
 
     /// Energy stored where lines press [J].
@@ -320,7 +329,7 @@ impl Contacts {
             let points = touch.patch.points().iter();
             points.map(|p| p.place.weight * normal.energy(-p.place.gap)).sum()
         };
-        touches.map(of).sum()
+        touches.map(of).sum::<f64>() + self.probes.energy(&mut search.probes, q)
     }
 
     /// Commits a step: bristles, pairs that touch, forces and their impulse.
@@ -331,6 +340,7 @@ impl Contacts {
         at: At<'_>,
         at_rest: bool,
     ) {
+        let of_probes = self.probes.accept(&mut search.probes, memory, at, at_rest);
         let mut bristles = Vec::new();
         let h = if memory.q.is_empty() { 0.0 } else { at.t - memory.t };
         memory.totals.resize(self.list.len(), [0.0; 6]);
@@ -370,6 +380,7 @@ impl Contacts {
             }
         }
         memory.bristles = bristles;
+        memory.bristles.extend(of_probes);
         memory.arrange();
         touching.sort_unstable();
         touching.dedup();

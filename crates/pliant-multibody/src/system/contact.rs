@@ -74,12 +74,11 @@ impl System {
         let contacts = &model.contacts;
         if self.search.have_passed(contacts, before.q, after.q) {
             return refuse(
-                "two lines have passed through each other within a step: they hit harder than the contact is stiff"
+                "two bodies have passed through each other within a step: they hit harder than the contact is stiff"
                     .to_owned(),
             );
         }
-        let touched = self.memory.contact.totals.iter().any(|f| f[..3] != [0.0; 3]);
-        if self.search.touches(contacts, after.q).is_empty() && !touched {
+        if !self.search.any(contacts, after.q) && !self.memory.contact.has_touched() {
             self.noted_energy = None;
             return Ok(());
         }
@@ -144,6 +143,10 @@ impl System {
         let totals = &self.memory.contact.totals;
         let none = [0.0; 6];
         for k in 0..self.model.contacts.list.len() {
+            out.extend(totals.get(k).unwrap_or(&none));
+        }
+        let totals = &self.memory.contact.probes.totals;
+        for k in 0..self.model.contacts.probes.contacts.len() {
             out.extend(totals.get(k).unwrap_or(&none));
         }
     }

@@ -91,6 +91,7 @@ pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec
         forces: Vec::new(),
         contacts: Vec::new(),
         chambers: Vec::new(),
+        probe_contacts: Vec::new(),
     }
 }
 
