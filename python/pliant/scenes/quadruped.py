@@ -198,7 +198,9 @@ def along_x(gait: str, centers: FloatArray, length: float, span: float) -> Float
 def pulse(peak: float, period: float, delay: float) -> Table:
     """A smooth pulse sin^2 in every period, ``delay`` periods late."""
     phase = np.arange(PULSE + 1) / PULSE
-    return Table(phase * period, peak * np.sin(np.pi * (phase - delay)) ** 2, period=period, smooth=True)
+    values = peak * np.sin(np.pi * (phase - delay)) ** 2
+    values[-1] = values[0]
+    return Table(phase * period, values, period=period, smooth=True)
 
 
 def travels(result: Result, period: float) -> FloatArray:
