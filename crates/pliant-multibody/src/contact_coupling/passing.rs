@@ -68,7 +68,7 @@ fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
 impl Search {
     /// Whether two lines have passed through each other between two places.
     pub fn have_passed(&mut self, contacts: &Contacts, before: &[f64], after: &[f64]) -> bool {
-        if contacts.probes.have_passed(&mut self.probes, before, after) {
+        if contacts.probes.have_passed(before, after) {
             return true;
         }
         if !contacts.list.iter().any(|c| matches!(c.master, Master::Line(_))) {

@@ -2,7 +2,7 @@
 
 use super::find::{Blend, Found, Mark, Touch};
 use super::memory::{Patch, Spot};
-use super::{Facing, Probes};
+use super::{Facing, Probes, Side};
 use crate::contact_coupling::memory::{Bristle, ContactMemory};
 use crate::contact_coupling::run::{At, Part};
 use nalgebra::{Matrix3, Vector3};
@@ -34,6 +34,50 @@ impl Facing {
             (0..4).for_each(|k| out[4 + k] = vector(x, other[k]));
         }
         out
+    }
+
+    /// Whether a point of the slave has been inside the master on its way and left on another side. Of rigid bodies the
+    /// centre stands for all.
+    fn has_passed(&self, before: &[f64], after: &[f64]) -> bool {
+        let (Some((old, shape)), Some((new, _))) = (self.master.shape(before), self.master.shape(after))
+        else {
+            return false;
+        };
+        let jumped = |p: Vector3<f64>, q: Vector3<f64>| {
+            let (start, end) = (old.local(p), new.local(q));
+            let way = end - start;
+            let last = shape.distance(end);
+            if last.value > way.norm() {
+                return false;
+            }
+            let first = shape.distance(start);
+            let least = first.value.min(last.value).min(0.0);
+            first.normal.dot(&last.normal) < 0.0
+                && (1..SAMPLES).any(|k| {
+                    let part = k as f64 / SAMPLES as f64;
+                    shape.distance(start + way * part).value < least
+                })
+        };
+        match &self.slave {
+            Side::Sheet(faces) => faces.iter().any(|face| {
+                let ((was, _), (middle, reach)) = (face.ball(before), face.ball(after));
+                let way = (new.local(middle) - old.local(was)).norm() + reach;
+                shape.distance(new.local(middle)).value < way
+                    && (0..face.rule.len()).any(|k| jumped(face.probe(k, before), face.probe(k, after)))
+            }),
+            Side::Line(line) => line
+                .iter()
+                .flat_map(|segment| [segment.offsets[0], segment.offsets[2]])
+                .any(|o| jumped(vector(before, o), vector(after, o))),
+            Side::Mass(terms, _) => {
+                let at = |q: &[f64]| terms.iter().map(|&(o, w)| vector(q, o) * w).sum();
+                jumped(at(before), at(after))
+            }
+            Side::Rigid(..) | Side::Rest(..) => match (self.slave.shape(before), self.slave.shape(after)) {
+                (Some((one, _)), Some((other, _))) => jumped(one.origin, other.origin),
+                _ => false,
+            },
+        }
     }
 
     fn scatter(&self, touch: &Touch, share: &Vectors, out: &mut [f64]) {
@@ -203,29 +247,10 @@ impl Probes {
         !found.touches(self, q).is_empty()
     }
 
-    /// Whether a probe has jumped through a shape between two places: it has been inside on its way, and what pushes it
-    /// now would push it on.
-    pub fn have_passed(&self, found: &mut Found, before: &[f64], after: &[f64]) -> bool {
-        found.touches(self, after).iter().any(|touch| {
-            let facing = &self.facings[touch.facing];
-            let Some((old, shape)) = facing.master.shape(before) else { return false };
-            let x = facing.gather(touch, before);
-            let p = match touch.probe.slave {
-                Slave::Rest => touch.probe.p,
-                Slave::Point => x[0],
-                Slave::Body(_, local) => {
-                    x[0] + x[1] * local.x + x[2] * local.y + x[3] * local.z
-                }
-            };
-            let (start, end) = (old.local(p), touch.probe.master.local(touch.probe.p));
-            let first = shape.distance(start);
-            first.value > (end - start).norm() * 0.5
-                && first.normal.dot(&touch.probe.distance.normal) < 0.0
-                && (1..SAMPLES).any(|k| {
-                    let part = k as f64 / SAMPLES as f64;
-                    shape.distance(start + (end - start) * part).value < touch.probe.distance.value
-                })
-        })
+    /// Whether a body has jumped through a shape between two places: what pushes it now would push it on.
+    #[must_use]
+    pub fn have_passed(&self, before: &[f64], after: &[f64]) -> bool {
+        self.facings.iter().any(|facing| facing.has_passed(before, after))
     }
 
     /// Commits a step: bristles, forces and their impulse, patches. Before the lines' own memory, which the returned
