@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from pliant import _check
-from pliant.bodies import Body, LineBody, MassBody
 from pliant._sides import why_not
+from pliant.bodies import Body, LineBody, MassBody
 from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import ModelError
 from pliant.forces import ON_FACES, ForceData, Wind

@@ -1,4 +1,4 @@
-"""Contacts of other bodies than cables with each other: which pairs there are, and how the core reads them."""
+"""Contacts other than those of cables among themselves: which pairs there are, and how the core reads them."""
 
 from __future__ import annotations
 
@@ -128,10 +128,10 @@ def _radius(shape: Any) -> float:
 
 
 def _stiffness(contact: ContactData, sides: list[Side], size: float, gravity: float) -> float:
-    """Stiffness of a contact: what the body that yields gives through its thickness, else what carries a weight.
+    """Give the stiffness of a contact: that of the body that yields, else what carries a weight.
 
-    Surfaces as a layer of their material between the faces, E/t per area; lines as on an obstacle; rigid bodies
-    so that the lighter one sinks in by a thousandth of its size.
+    Surfaces as a layer of their material between the faces, E/t per area; lines as on an obstacle; rigid
+    bodies so that the lighter one sinks in by a thousandth of its size.
     """
     if contact.stiffness is not None:
         return contact.stiffness

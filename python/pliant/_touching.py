@@ -9,8 +9,8 @@ import numpy as np
 
 from pliant import _check
 from pliant._actuation import Actuation
-from pliant.bodies import LineBody
 from pliant._sides import why_not
+from pliant.bodies import LineBody
 from pliant.contacts import ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.points import Contact, Handle, Obstacle, require_handle
 from pliant.shapes import Shape
@@ -88,13 +88,13 @@ class Touching(Actuation):
         a : Cable, CableNet, Shell, Membrane, RigidBody or PointMass
             A body; a rigid body must have a shape.
         b : body or Obstacle, optional
-            The other; None: ``a`` itself. Shells, membranes and point masses touch obstacles and rigid bodies;
-            cables these and each other.
+            The other; None: ``a`` itself. Shells, membranes and point masses touch obstacles and rigid
+            bodies; cables these and each other.
         stiffness : float, optional
-            Force per penetration: per length of a cable [N/m^2], per area of a shell or membrane [N/m^3], at a
-            point of a rigid body or mass [N/m]. None: of cables as stiff as two round bars of these materials
-            that cross; of surfaces E/t, a layer of the material; of rigid bodies such that the lighter one sinks
-            in by a thousandth of its size under its weight.
+            Force per penetration: per length of a cable [N/m^2], per area of a shell or membrane [N/m^3],
+            at a point of a rigid body or mass [N/m]. None: of cables as stiff as two round bars of these
+            materials that cross; of surfaces E/t, a layer of the material; of rigid bodies such that the
+            lighter one sinks in by a thousandth of its size under its weight.
         damping : float, optional
             Hunt-Crossley [s/m]: the force times 1 + damping x approach speed, never pulling; None: 3.
         friction : LuGre or Coulomb, optional
@@ -122,7 +122,9 @@ class Touching(Actuation):
             names.reverse()
         reason = why_not(*(self._obstacles.get(name) or self._bodies[name] for name in names))
         if reason is not None:
-            _check.fail("a" if b is None or names[0] in self._obstacles else "b", a if b is None else b, reason)
+            _check.fail(
+                "a" if b is None or names[0] in self._obstacles else "b", a if b is None else b, reason
+            )
         for other in self._contacts.values():
             if {other.a, other.b} == set(names):
                 _check.fail("b", b, f"the two touch already in '{other.name}'")

@@ -42,10 +42,12 @@ def test_a_sliding_body_comes_to_roll(shape, turn, factor, record):
     v = result.track(body.center).velocity
     if factor is None:
         factor = shape.gyration[2] / 0.1**2
-    # v = v_0/(1 + I/(m R^2)), whatever the law of friction: momentum about the ground. It stands a 3e-4 of the
-    # radius deep in the ground, and bristles give way by as much as the normal force hums.
+    # v = v_0/(1 + I/(m R^2)), whatever the law of friction: momentum about the ground. It stands a 3e-4 of
+    # the radius deep in the ground, and bristles give way by as much as the normal force hums.
     name = type(shape).__name__.lower()
-    assert record(f"{name}, sliding to rolling, v/v_0", v[-1, 0], 1 / (1 + factor), 5e-4, source="closed form")
+    assert record(
+        f"{name}, sliding to rolling, v/v_0", v[-1, 0], 1 / (1 + factor), 5e-4, source="closed form"
+    )
     # The ground's impulse is what is left of the motion.
     impulse = result.contact_impulse(body)[-1, 0]
     assert impulse == pytest.approx(v[-1, 0] - 1.0, abs=1e-5)
@@ -96,7 +98,9 @@ def test_a_ball_bounces_as_hunt_and_crossley_say(c, record):
     # Weight acts during the blow of 10 ms, 0.1 m/s in 1.4; half of it each way.
     gained = GRAVITY * (result.time[last] - result.time[first])
     e = (v[last] + 0.5 * gained) / (v_0 + 0.5 * gained)
-    assert record(f"ball on the ground, restitution at c = {c}", e, exact, 0.01, source="Hunt & Crossley 1975")
+    assert record(
+        f"ball on the ground, restitution at c = {c}", e, exact, 0.01, source="Hunt & Crossley 1975"
+    )
 
 
 def test_a_stack_of_blocks_rests(record):
@@ -109,11 +113,15 @@ def test_a_stack_of_blocks_rests(record):
     model.add_contacts([ground, *blocks], friction=pl.LuGre(0.5, 0.4), damping=200.0)
     result = pl.simulate(model, duration=1.0, step=1e-3)
     for k, block in enumerate(blocks):
-        # It sinks in by at most a thousandth of half an edge for each block above it, and does not move aside.
+        # It sinks in by at most a thousandth of half an edge for each block above it, and does not move
+        # aside.
         np.testing.assert_allclose(
             result.track(block.center).position[-1], [0.01 * k, 0, 0.1 + 0.2 * k], atol=5e-4
         )
-    held = [result.contact_force(block, below)[-1, 2] for block, below in zip(blocks, [ground, *blocks])]
+    held = [
+        result.contact_force(block, below)[-1, 2]
+        for block, below in zip(blocks, [ground, *blocks[:-1]], strict=True)
+    ]
     for k, force in enumerate(held):
         # The hum after a second.
         assert record(f"stack of three, force under block {k}", force, (3 - k) * GRAVITY, 0.3, unit="N")
@@ -166,7 +174,9 @@ def test_a_sheet_rests_on_the_ground(kind, record):
     weight = 1070.0 * 8e-3 * 0.12**2 * GRAVITY
     force = result.contact_force(body)[-1]
     # Nothing damps a flat sheet on its contact but the scheme.
-    assert record(f"{kind} at rest, ground force over weight", force[2] / weight, 1.0, 5e-3, source="equilibrium")
+    assert record(
+        f"{kind} at rest, ground force over weight", force[2] / weight, 1.0, 5e-3, source="equilibrium"
+    )
     assert np.abs(force[:2]).max() < 1e-6 * weight
 
 
@@ -237,13 +247,15 @@ def test_cables_and_sheets_hang_over_a_mesh():
     model = pl.Model(gravity=(0, 0, -GRAVITY))
     roof = model.add_obstacle(terrain())
     soft = pl.LinearElastic(5e5, 0.4, 1200.0, retardation_time=5e-3)
-    rope = model.add_cable([(-0.2, 0.3, 0.02), (0.2, 0.3, 0.02)], elements=8, section=pl.Circle(1e-2), material=soft)
+    rope = model.add_cable(
+        [(-0.2, 0.3, 0.02), (0.2, 0.3, 0.02)], elements=8, section=pl.Circle(1e-2), material=soft
+    )
     cloth = sheet(model, n=4, height=0.005, thickness=4e-3)
     for body in (rope, cloth):
         model.add_contact(body, roof, friction=pl.LuGre(0.8, 0.7))
     result = pl.simulate(model, duration=0.25, step=1e-3)
     weights = [np.pi * 1e-4 * 1200 * 0.4 * GRAVITY, 1070 * 4e-3 * 0.12**2 * GRAVITY]
-    for body, weight in zip((rope, cloth), weights):
+    for body, weight in zip((rope, cloth), weights, strict=True):
         # On their way down, most of the weight is carried by the ridge and the slopes.
         carried = result.contact_impulse(body, roof)[-1, 2] / (weight * 0.25)
         assert 0.5 < carried < 1.2
@@ -259,9 +271,13 @@ def test_a_mass_stops_on_a_box_and_a_fast_one_does_not_pass(record):
     model.add_contact(mass, table, damping=20.0)
     result = pl.simulate(model, duration=1.0, step=1e-3)
     force = result.contact_force(mass, table)[-1, 2]
-    assert record("mass on a box, force over weight", force / (0.5 * GRAVITY), 1.0, 0.02, source="equilibrium")
+    assert record(
+        "mass on a box, force over weight", force / (0.5 * GRAVITY), 1.0, 0.02, source="equilibrium"
+    )
     fast = pl.Model()
-    bullet = fast.add_rigid_body(mass=1.0, shape=pl.Sphere(0.02), position=(0, 0, 0.3), velocity=(0, 0, -200.0))
+    bullet = fast.add_rigid_body(
+        mass=1.0, shape=pl.Sphere(0.02), position=(0, 0, 0.3), velocity=(0, 0, -200.0)
+    )
     wall = fast.add_obstacle(pl.Box((1, 1, 0.1)))
     fast.add_contact(bullet, wall, stiffness=1e9)
     # A fifth of a metre in each step.
@@ -274,7 +290,9 @@ def test_a_run_with_probes_resumes_with_the_same_bits(tmp_path):
     def make():
         model = pl.Model(gravity=(0, 0, -GRAVITY))
         ground = model.add_obstacle(pl.HalfSpace())
-        ball = model.add_rigid_body(mass=0.2, shape=pl.Sphere(0.05), position=(0, 0, 0.06), velocity=(0.3, 0, 0))
+        ball = model.add_rigid_body(
+            mass=0.2, shape=pl.Sphere(0.05), position=(0, 0, 0.06), velocity=(0.3, 0, 0)
+        )
         rod = model.add_rigid_body(
             mass=0.2, shape=pl.Capsule(0.02, 0.2), position=(0.3, 0, 0.03), velocity=(-0.3, 0, 0)
         )

@@ -1,4 +1,4 @@
-//! The tree of boxes that finds pairs of neighbours. parry is named here only, and what crosses this file is
+//! The tree of boxes that finds pairs of neighbours. parry is named here, in `meshes` and `manifolds`; what crosses is
 //! `[f64; 3]`: its vectors are of another crate than ours.
 
 use parry3d_f64::bounding_volume::Aabb;

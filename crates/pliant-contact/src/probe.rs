@@ -277,8 +277,7 @@ impl Probe {
             if laws.friction.is_some() {
                 let turning =
                     |x: Vector3<f64>| d_n * n.dot(&x) + n * (d_n.transpose() * x).transpose();
-                let d_end =
-                    (plane * v_shift - turning(v)) * stiffness + plane * (w[l] * damping);
+                let d_end = (plane * v_shift - turning(v)) * stiffness + plane * (w[l] * damping);
                 d_f -= friction.by_end * d_end + friction.by_normal * d_p.transpose();
                 if motion.h > 0.0 {
                     let d_moved = plane * w[l] + plane * shifted(motion.moved) - turning(moved);

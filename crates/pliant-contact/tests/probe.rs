@@ -101,7 +101,14 @@ fn case(shape: &Shape, carrier: usize, numbers: &[f64]) -> Case {
     Case { x, v: wild(0), moved: wild(5).map(|m| m * 0.002), z: z - n * n.dot(&z) }
 }
 
-fn force(shape: &Shape, carrier: usize, laws: &Laws, case: &Case, x: &Vectors, v: &Vectors) -> Vectors {
+fn force(
+    shape: &Shape,
+    carrier: usize,
+    laws: &Laws,
+    case: &Case,
+    x: &Vectors,
+    v: &Vectors,
+) -> Vectors {
     let probe = probe(shape, carrier, x);
     let moved = std::array::from_fn(|k| case.moved[k] + x[k] - case.x[k]);
     let motion = Motion { v, moved: &moved, h: 2e-3, z: case.z };

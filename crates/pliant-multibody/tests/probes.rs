@@ -94,8 +94,7 @@ fn rest(shape: ShapeSpec) -> SideSpec {
 fn pairs() -> Vec<(SideSpec, SideSpec)> {
     let mut fixed = solids();
     fixed.extend([ShapeSpec::HalfSpace, mesh()]);
-    let mass =
-        |radius| SideSpec::Mass { at: PointSpec::Shared { shared: 0 }, mass: 0.3, radius };
+    let mass = |radius| SideSpec::Mass { at: PointSpec::Shared { shared: 0 }, mass: 0.3, radius };
     let body = |rigid, shape: &ShapeSpec| SideSpec::Rigid { rigid, shape: shape.clone() };
     let mut all = Vec::new();
     for shape in &fixed {
@@ -319,7 +318,10 @@ fn tangents_are_derivatives_of_forces() {
                 } else {
                     0.05
                 };
-                assert!(worst <= allowed * size, "{worst} of {size}, {friction}, {weights:?}, {pair:?}");
+                assert!(
+                    worst <= allowed * size,
+                    "{worst} of {size}, {friction}, {weights:?}, {pair:?}"
+                );
             }
         }
     }
@@ -363,7 +365,8 @@ fn friction_and_damping_lose_power() {
         for side in [&pair.0, &pair.1] {
             let velocity = Vector3::new(0.2, -0.3, 0.05);
             for o in positions(side, rig.with.model()) {
-                let spin = if matches!(side, SideSpec::Rigid { rigid: 1, .. }) { -1.0 } else { 1.0 };
+                let spin =
+                    if matches!(side, SideSpec::Rigid { rigid: 1, .. }) { -1.0 } else { 1.0 };
                 let omega = Vector3::new(0.4, 0.7, -0.2) * spin;
                 v[o..o + 3].copy_from_slice((velocity * spin).as_slice());
                 if matches!(side, SideSpec::Rigid { .. }) {

@@ -13,6 +13,7 @@ from pliant.scenes.folded_chain import folded_chain
 from pliant.scenes.galloping_line import galloping_line
 from pliant.scenes.hanging_chain import hanging_chain
 from pliant.scenes.pendulum_winch import pendulum_winch
+from pliant.scenes.quadruped import quadruped
 from pliant.scenes.scene import Expected, Scene, energy_drift
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "hanging_chain",
     "loaded_catenary",
     "pendulum_winch",
+    "quadruped",
     "stopping_tension",
     "string_and_post",
 ]
@@ -49,6 +51,7 @@ SCENES: dict[str, Callable[..., Scene]] = {
         pendulum_winch,
         capstan,
         cable_slap,
+        quadruped,
     )
 }
 """Scenes by name, each with its defaults."""

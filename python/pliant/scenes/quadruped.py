@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pliant import _check
 from pliant.contacts import HalfSpace
@@ -18,7 +19,7 @@ from pliant.typing import FloatArray, IntArray
 __all__ = ["quadruped"]
 
 COLUMNS, ROWS = 8, 6
-"""Cells of the rectangle that the plus is cut from: 4 x 2 of body, two legs of 2 x 2 ahead and behind, two beside."""
+"""Cells of the rectangle that the plus is cut from: 2 x 2 in the middle, legs of 3 x 2 and, beside, of 2 x 2."""
 PULSE = 24
 """Points that a smooth table of a pulse needs in a period."""
 SETTLING = 3
@@ -47,21 +48,22 @@ def quadruped(
 ) -> Scene:
     """Build the scene: a plus-shaped elastomer sheet with four legs, driven in two halves that take turns.
 
-    Whether it walks is decided by symmetry. Robot and ground are mirror images of themselves, front against back.
-    Where the back half does what the front half did half a period ago (``lag=0.5``), mirroring and waiting half a
-    period changes nothing, so that a settled motion travels nowhere: alternating equal loads cannot walk. A lag of
-    a quarter breaks the symmetry, and ``lag=-0.25`` walks the other way. Loads from outside, vertical forces as in
-    the published model, do it badly; curvature from within, as chambers make it, does it well.
+    Whether it walks is decided by symmetry. Robot and ground are mirror images of themselves, front against
+    back. Where the front half does what the back half did half a period ago (``lag=0.5``), mirroring and
+    waiting half a period changes nothing, so that a settled motion travels nowhere: alternating equal loads
+    cannot walk. A lag of a quarter breaks the symmetry, and ``lag=-0.25`` walks the other way. Loads from
+    outside, vertical forces as in the published model, do it badly; curvature from within, as chambers make
+    it, does it well.
 
     Parameters
     ----------
     gait : {"undulation", "crawl"}
-        Undulation: front and back half of body and legs arch in turn, it travels along x. Crawl: two neighbouring
-        legs, then the other two, it travels along the diagonal between them.
+        Undulation: front and back half of body and legs arch in turn, it travels along x. Crawl: two
+        neighbouring legs, then the other two, it travels along the diagonal between them.
     actuation : {"curvature", "forces"}
         From within: the rest curvature of a half pulses. From outside: vertical forces on the halves do.
     lag : float
-        By how much the back half comes later, in periods.
+        By how much the front half comes later, in periods.
     curvature : float
         Peak of the rest curvature [1/m]; below zero the middle rises.
     force : float
@@ -99,7 +101,7 @@ def quadruped(
     model.add_contact(robot, ground, friction=LuGre(friction, friction), name="feet")
 
     front, back = halves(gait, centers, length, span)
-    for faces, delay in ((front, 0.0), (back, lag)):
+    for faces, delay in ((back, 0.0), (front, lag)):
         if actuation == "curvature":
             along = along_x(gait, centers[faces], length, span)
             for share, axes in ((along, (1.0, 0.0, 0.0)), (~along, (0.0, 1.0, 0.0))):
@@ -112,7 +114,9 @@ def quadruped(
             model.add_force(robot.at((middle[0], middle[1], 0.5 * thickness)), lift)
 
     direction = np.array(DIRECTIONS[gait])
-    weight = gravity * density * thickness * float(len(centers)) * length * span / (COLUMNS * ROWS * refinement**2)
+    weight = (
+        gravity * density * thickness * float(len(centers)) * length * span / (COLUMNS * ROWS * refinement**2)
+    )
     every = max(1, round(0.01 / step))
 
     def measures(result: Result) -> dict[str, float]:
@@ -120,10 +124,11 @@ def quadruped(
         settled = travel[SETTLING:]
         impulse = result.contact_impulse(robot, ground)
         time = result.time
-        begin = np.searchsorted(time, SETTLING * period - 1e-9)
+        begin = int(np.searchsorted(time, SETTLING * period - 1e-9))
         change = result.momentum[-1] - result.momentum[begin]
         mean = (impulse[-1] - impulse[begin]) / (time[-1] - time[begin])
-        pull = outside(result, begin)
+        # Two pulses from outside, whose mean is half their peak.
+        pull = np.array([0.0, 0.0, force if actuation == "forces" else 0.0])
         balance = mean + pull + [0.0, 0.0, -weight] - change / (time[-1] - time[begin])
         size = max(float(np.abs(settled).max()), 1e-12)
         return {
@@ -136,13 +141,6 @@ def quadruped(
             "horizontal force over weight": float(np.abs(mean[:2] + pull[:2]).max() / weight),
             "impulse balance": float(np.abs(balance).max() / weight),
         }
-
-    def outside(result: Result, begin: int) -> FloatArray:
-        """Mean of the loads from outside over the settled cycles [N]."""
-        if actuation == "curvature":
-            return np.zeros(3)
-        # The mean of a pulse is half its peak.
-        return np.array([0.0, 0.0, force])
 
     expected = {
         "support over weight": Expected(1.0, 0.01, "a settled motion neither rises nor falls"),
@@ -180,7 +178,7 @@ def plus(length: float, span: float, height: float, refinement: int) -> tuple[Me
 
 
 def halves(gait: str, centers: FloatArray, length: float, span: float) -> tuple[IntArray, IntArray]:
-    """Faces of the half that begins and of the one that follows."""
+    """Faces of the front half and of the back half."""
     ahead = centers @ np.array([1.0, 0.0] if gait == "undulation" else [1.0 / length, 1.0 / span])
     legs = np.ones(len(centers), dtype=bool)
     if gait == "crawl":
@@ -188,7 +186,7 @@ def halves(gait: str, centers: FloatArray, length: float, span: float) -> tuple[
     return np.flatnonzero(legs & (ahead > 0)), np.flatnonzero(legs & (ahead <= 0))
 
 
-def along_x(gait: str, centers: FloatArray, length: float, span: float) -> FloatArray:
+def along_x(gait: str, centers: FloatArray, length: float, span: float) -> NDArray[np.bool_]:
     """Whether faces bend along x; legs beside the body bend along y."""
     if gait == "undulation":
         return np.ones(len(centers), dtype=bool)
@@ -196,7 +194,7 @@ def along_x(gait: str, centers: FloatArray, length: float, span: float) -> Float
 
 
 def pulse(peak: float, period: float, delay: float) -> Table:
-    """A smooth pulse sin^2 in every period, ``delay`` periods late."""
+    """Make a smooth pulse sin^2 in every period, ``delay`` periods late."""
     phase = np.arange(PULSE + 1) / PULSE
     values = peak * np.sin(np.pi * (phase - delay)) ** 2
     values[-1] = values[0]

@@ -39,7 +39,8 @@ impl Facing {
     /// Whether a point of the slave has been inside the master on its way and left on another side. Of rigid bodies the
     /// centre stands for all.
     fn has_passed(&self, before: &[f64], after: &[f64]) -> bool {
-        let (Some((old, shape)), Some((new, _))) = (self.master.shape(before), self.master.shape(after))
+        let (Some((old, shape)), Some((new, _))) =
+            (self.master.shape(before), self.master.shape(after))
         else {
             return false;
         };
@@ -63,7 +64,8 @@ impl Facing {
                 let ((was, _), (middle, reach)) = (face.ball(before), face.ball(after));
                 let way = (new.local(middle) - old.local(was)).norm() + reach;
                 shape.distance(new.local(middle)).value < way
-                    && (0..face.rule.len()).any(|k| jumped(face.probe(k, before), face.probe(k, after)))
+                    && (0..face.rule.len())
+                        .any(|k| jumped(face.probe(k, before), face.probe(k, after)))
             }),
             Side::Line(line) => line
                 .iter()
@@ -73,10 +75,12 @@ impl Facing {
                 let at = |q: &[f64]| terms.iter().map(|&(o, w)| vector(q, o) * w).sum();
                 jumped(at(before), at(after))
             }
-            Side::Rigid(..) | Side::Rest(..) => match (self.slave.shape(before), self.slave.shape(after)) {
-                (Some((one, _)), Some((other, _))) => jumped(one.origin, other.origin),
-                _ => false,
-            },
+            Side::Rigid(..) | Side::Rest(..) => {
+                match (self.slave.shape(before), self.slave.shape(after)) {
+                    (Some((one, _)), Some((other, _))) => jumped(one.origin, other.origin),
+                    _ => false,
+                }
+            }
         }
     }
 
@@ -174,13 +178,7 @@ impl Probes {
         work(&Motion { v: &v, moved: &moved, h, z })
     }
 
-    fn force_at(
-        &self,
-        touch: &Touch,
-        memory: &ContactMemory,
-        at: At<'_>,
-        at_rest: bool,
-    ) -> Force {
+    fn force_at(&self, touch: &Touch, memory: &ContactMemory, at: At<'_>, at_rest: bool) -> Force {
         let laws = self.laws(touch, at_rest);
         self.with_motion(touch, memory, at, |motion| touch.probe.force(&laws, motion))
     }
@@ -224,8 +222,7 @@ impl Probes {
         for touch in found.touches(self, at.q) {
             let laws = self.laws(touch, at_rest);
             let placed = &self.facings[touch.facing].placed[touch.part];
-            let (factors, symmetric) =
-                ((stiffness, damping), placed.storage == Storage::Symmetric);
+            let (factors, symmetric) = ((stiffness, damping), placed.storage == Storage::Symmetric);
             let mut blocks = [[Matrix3::zeros(); 8]; 8];
             self.with_motion(touch, memory, at, |motion| {
                 touch.probe.add_tangent(&laws, motion, factors, symmetric, &mut blocks);

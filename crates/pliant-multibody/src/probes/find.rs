@@ -97,7 +97,8 @@ impl Facing {
                 add(0, Blend::Mass, Mark::Number(0), probe);
             }
             Side::Line(line) => {
-                let placed = Placed { shape: shape.clone(), origin: master.origin, axes: master.axes };
+                let placed =
+                    Placed { shape: shape.clone(), origin: master.origin, axes: master.axes };
                 for (e, segment) in line.iter().enumerate() {
                     let piece = segment.piece(q);
                     along(&placed, &piece, segment.free, |xi, weight, patch| {
@@ -123,8 +124,15 @@ impl Facing {
                             normal: point.normal,
                             hessian: nalgebra::Matrix3::zeros(),
                         };
-                        let probe =
-                            Probe { slave, p, radius: 0.0, master, moves, distance, weight: point.weight };
+                        let probe = Probe {
+                            slave,
+                            p,
+                            radius: 0.0,
+                            master,
+                            moves,
+                            distance,
+                            weight: point.weight,
+                        };
                         add(0, Blend::Own, Mark::Number(Spot::NEAREST), probe);
                     }
                     return;
@@ -196,12 +204,7 @@ fn carried(side: &Side, pose: Pose, local: Vector3<f64>) -> Slave {
     }
 }
 
-fn along(
-    shape: &Placed,
-    piece: &Piece,
-    free: [bool; 2],
-    mut work: impl FnMut(f64, f64, &Patch),
-) {
+fn along(shape: &Placed, piece: &Piece, free: [bool; 2], mut work: impl FnMut(f64, f64, &Patch)) {
     let mut patches = Vec::new();
     Master::Shape(shape).touch(piece, free, &mut patches);
     for patch in &patches {
@@ -234,7 +237,9 @@ fn points(shape: &Shape, towards: Vector3<f64>) -> Vec<(Vector3<f64>, f64)> {
             let turn = Vector3::new(-low.y, low.x, 0.0);
             [-half, half]
                 .into_iter()
-                .flat_map(|z| [low, turn, -low, -turn].map(|d| (d * radius + Vector3::z() * z, 0.0)))
+                .flat_map(|z| {
+                    [low, turn, -low, -turn].map(|d| (d * radius + Vector3::z() * z, 0.0))
+                })
                 .collect()
         }
         Shape::Mesh(ref mesh) => mesh.vertices().into_iter().map(|v| (v, 0.0)).collect(),

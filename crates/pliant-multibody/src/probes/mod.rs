@@ -147,8 +147,13 @@ impl Probes {
             let place = format!("contact '{}'", contact.name);
             let read = Reading { spec, arrays, map, place: &place };
             let sides = [read.side(&contact.a)?, read.side(&contact.b)?];
-            let laws =
-                laws_of(contact.stiffness, contact.ramp, contact.damping, &contact.friction, &place)?;
+            let laws = laws_of(
+                contact.stiffness,
+                contact.ramp,
+                contact.damping,
+                &contact.friction,
+                &place,
+            )?;
             for side in [&contact.a, &contact.b] {
                 if let Some(mass) = read.mass(side)? {
                     this.frequency = this.frequency.max((contact.stiffness / mass).sqrt());

@@ -90,7 +90,8 @@ impl Face {
             Vector3::new(q[o], q[o + 1], q[o + 2])
         };
         let corners = self.offsets.len() / self.vectors;
-        let middle = (0..corners).map(|c| at(c * self.vectors)).sum::<Vector3<f64>>() / corners as f64;
+        let middle =
+            (0..corners).map(|c| at(c * self.vectors)).sum::<Vector3<f64>>() / corners as f64;
         let (total, most) = &self.reach;
         let mut farthest = 0.0_f64;
         let mut rest = 0.0;
