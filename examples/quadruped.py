@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pliant as pl
@@ -54,17 +55,18 @@ class Study:
 
 
 def run(
-    cycles: int = 6,
+    cycles: int = 5,
+    settling: int = 3,
     step: float = 2e-3,
     frictions: Sequence[float] = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0),
     cases: Sequence[str] = tuple(CASES),
 ) -> Study:
     """Run all gaits, and the first on grounds of other friction."""
-    settings = {"cycles": cycles, "step": step}
+    settings: dict[str, Any] = {"cycles": cycles, "settling": settling, "step": step}
     scenes = {name: quadruped(**CASES[name], **settings) for name in cases}
     results = {name: scene.simulate() for name, scene in scenes.items()}
     measured = {name: scenes[name].measure(result) for name, result in results.items()}
-    finer = quadruped(cycles=cycles, step=step / 2)
+    finer = quadruped(**{**settings, "step": step / 2})
     grounds = [quadruped(friction=mu, **settings) for mu in frictions]
     ensemble = [scene.simulate() for scene in grounds]
     travels = [

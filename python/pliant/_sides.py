@@ -1,4 +1,4 @@
-"""Contacts other than those of cables among themselves: which pairs there are, and how the core reads them."""
+"""Contacts other than of cables among themselves: which pairs there are, and how the core reads them."""
 
 from __future__ import annotations
 

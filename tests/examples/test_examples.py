@@ -11,6 +11,13 @@ from scipy.integrate import cumulative_trapezoid
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
 SMALL = {
+    "quadruped": {
+        "cycles": 1,
+        "settling": 0,
+        "step": 4e-3,
+        "frictions": (0.4, 0.8),
+        "cases": ("walks: lag of a quarter",),
+    },
     "bungee": {"jump": {"elements": 20, "step": 4e-3}, "drop": {"elements": 50, "step": 2e-3}},
     "crossing_ropes": {"elements": (6, 12, 24), "steps": (1e-3, 5e-4, 2.5e-4), "duration": 0.05},
     "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
@@ -399,3 +406,19 @@ def test_crossing_ropes_converge(examples, record):
     # Six elements cannot follow the bend at the blow, twelve can; steps are cut there, whatever the step.
     assert mesh[1] < 0.5 * mesh[0] < 0.01
     assert step.max() < 2e-3
+
+
+def test_the_quadruped_sets_off_as_it_should(examples, record):
+    _, study = examples["quadruped"]
+    measured = next(iter(study.measured.values()))
+    # Momentum changes by the impulses of ground and weight; sampled at output times, 2 % of the weight over
+    # a cycle.
+    assert record("example quadruped (small), impulse balance", measured["impulse balance"], 0.0, 0.02)
+    # Both sides of the robot do the same: rounding, which contact does not amplify within a cycle.
+    assert abs(measured["sideways per cycle [mm]"]) < 1e-3
+    # The first stroke goes the same way on every ground, and with steps half as long.
+    walk = measured["travel per cycle [mm]"]
+    assert np.all(study.travels * walk > 0)
+    assert record(
+        "example quadruped (small), half the step", study.halved["travel per cycle [mm]"] / walk, 1.0, 0.05
+    )

@@ -19,11 +19,9 @@ from pliant.typing import FloatArray, IntArray
 __all__ = ["quadruped"]
 
 COLUMNS, ROWS = 8, 6
-"""Cells of the rectangle that the plus is cut from: 2 x 2 in the middle, legs of 3 x 2 and, beside, of 2 x 2."""
+"""Cells of the rectangle the plus is cut from: 2 x 2 in the middle, legs of 3 x 2, and beside of 2 x 2."""
 PULSE = 24
 """Points that a smooth table of a pulse needs in a period."""
-SETTLING = 3
-"""Cycles that are not measured."""
 DIRECTIONS = {"undulation": (1.0, 0.0, 0.0), "crawl": (np.sqrt(0.5), np.sqrt(0.5), 0.0)}
 
 
@@ -35,6 +33,7 @@ def quadruped(
     force: float = 0.45,
     period: float = 0.6,
     cycles: int = 6,
+    settling: int = 3,
     friction: float = 0.6,
     refinement: int = 1,
     length: float = 0.135,
@@ -68,8 +67,8 @@ def quadruped(
         Peak of the rest curvature [1/m]; below zero the middle rises.
     force : float
         Peak of each of the two forces, upwards [N].
-    period, cycles : float, int
-        Period of the gait [s], and how many are simulated, more than three, which settle it.
+    period, cycles, settling : float, int, int
+        Period of the gait [s], how many are simulated, and how many of these are left to settle it.
     friction : float
         Coefficient of static and dynamic friction.
     refinement : int
@@ -89,7 +88,8 @@ def quadruped(
     """
     _check.choice(gait, "gait", DIRECTIONS)
     _check.choice(actuation, "actuation", ("curvature", "forces"))
-    cycles = _check.count(cycles, "cycles", at_least=SETTLING + 1)
+    settling = _check.count(settling, "settling", at_least=0)
+    cycles = _check.count(cycles, "cycles", at_least=settling + 1)
     refinement = _check.count(refinement, "refinement", at_least=1)
     mesh, centers = plus(length, span, 0.5 * thickness, refinement)
     model = Model(gravity=(0, 0, -gravity))
@@ -121,10 +121,10 @@ def quadruped(
 
     def measures(result: Result) -> dict[str, float]:
         travel = travels(result, period) @ direction
-        settled = travel[SETTLING:]
+        settled = travel[settling:]
         impulse = result.contact_impulse(robot, ground)
         time = result.time
-        begin = int(np.searchsorted(time, SETTLING * period - 1e-9))
+        begin = int(np.searchsorted(time, settling * period - 1e-9))
         change = result.momentum[-1] - result.momentum[begin]
         mean = (impulse[-1] - impulse[begin]) / (time[-1] - time[begin])
         # Two pulses from outside, whose mean is half their peak.
@@ -135,7 +135,7 @@ def quadruped(
             "travel per cycle [mm]": float(1e3 * settled.mean()),
             "scatter of the travel": float(np.ptp(settled) / size),
             "sideways per cycle [mm]": float(
-                1e3 * (travels(result, period)[SETTLING:] @ np.cross([0, 0, 1], direction)).mean()
+                1e3 * (travels(result, period)[settling:] @ np.cross([0, 0, 1], direction)).mean()
             ),
             "support over weight": float((mean[2] + pull[2]) / weight),
             "horizontal force over weight": float(np.abs(mean[:2] + pull[:2]).max() / weight),
