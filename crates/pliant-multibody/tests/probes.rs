@@ -207,7 +207,7 @@ impl Rig {
             this.q[o + 1] -= 0.017;
         }
         let still = vec![0.0; n];
-        let mut lift = |this: &mut Self, by: f64| {
+        let lift = |this: &mut Self, by: f64| {
             for &o in &this.first {
                 this.q[o + 2] += by;
             }
@@ -349,7 +349,8 @@ fn action_is_reaction() {
             let bodies = [rig.first[0], other[0]].into_iter();
             let vectors = bodies.flat_map(|o| (0..4).map(move |k| o + 3 * k));
             let moment: Vector3<f64> = vectors.map(|o| at(&q, o).cross(&at(&f, o))).sum();
-            assert!(moment.norm() < 1e-10 * on_a.norm(), "{pair:?}: {moment}");
+            // The axes have been moved by 1e-5 out of being orthonormal.
+            assert!(moment.norm() < 1e-4 * on_a.norm(), "{pair:?}: {moment}");
         }
     }
 }

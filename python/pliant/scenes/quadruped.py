@@ -30,7 +30,7 @@ def quadruped(
     actuation: str = "curvature",
     lag: float = 0.25,
     curvature: float = -20.0,
-    force: float = 0.45,
+    force: float = 0.3,
     period: float = 0.6,
     cycles: int = 6,
     settling: int = 3,
