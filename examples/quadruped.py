@@ -86,9 +86,8 @@ def profile(result: pl.Result, moment: float) -> np.ndarray:
     return now[middle][:, [0, 2]]
 
 
-def draw_strip(axes: Axes, scene: Scene, result: pl.Result) -> None:
+def draw_strip(axes: Axes, result: pl.Result) -> None:
     """Draw the robot from the side at five moments, ten millimetres of paper apart."""
-    thickness = float(scene.model["robot"].thickness)
     for k, moment in enumerate((0.0, 0.6, 1.2, 1.8, 2.4)):
         line = 1e3 * profile(result, moment)
         height = -30.0 * k
@@ -99,7 +98,7 @@ def draw_strip(axes: Axes, scene: Scene, result: pl.Result) -> None:
     axes.plot([0, 0], [-30.0 * 4 - 6, 18], color=RED, linewidth=0.6, linestyle=":")
     axes.set_aspect("equal")
     axes.set_axis_off()
-    axes.set_title(f"The robot from the side, {1e3 * thickness:g} mm thick", fontsize=10.5, loc="left")
+    axes.set_title("The robot from the side", fontsize=10.5, loc="left")
 
 
 def feet(result: pl.Result) -> tuple[np.ndarray, np.ndarray]:
@@ -117,7 +116,7 @@ def picture(study: Study) -> Figure:
     figure = new_figure(12, 7.2)
     grid = figure.add_gridspec(2, 2)
     first = next(iter(study.results))
-    draw_strip(figure.add_subplot(grid[0, 0]), study.scenes[first], study.results[first])
+    draw_strip(figure.add_subplot(grid[0, 0]), study.results[first])
     axes = figure.add_subplot(grid[0, 1])
     for name, result in study.results.items():
         way = 1e3 * (result.center_of_mass() - result.center_of_mass()[0])

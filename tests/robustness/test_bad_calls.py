@@ -42,6 +42,7 @@ def scenery() -> SimpleNamespace:
     cart = model.add_rigid_body(mass=1.0, shape=pl.Box((0.2, 0.1, 0.1)), position=(3, 0, 0), name="cart")
     wheel = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(4, 0, 0), name="wheel")
     post = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(7, 0, 0), name="post")
+    bare = model.add_rigid_body(mass=1.0, inertia=(1, 1, 1), position=(8, 0, 0))
     arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
     return SimpleNamespace(
         m=model,
@@ -49,6 +50,7 @@ def scenery() -> SimpleNamespace:
         net=net,
         ball=ball,
         brick=brick,
+        bare=bare,
         sheet=sheet,
         film=film,
         square=square,
@@ -246,7 +248,7 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("a", "shell and a shell", lambda s: s.m.add_contact(s.sheet)),
     ("a", "does not touch itself", lambda s: s.m.add_contact(s.brick)),
     ("b", "point mass and a cable", lambda s: s.m.add_contact(s.ball, s.rope)),
-    ("b", "has no shape", lambda s: s.m.add_contact(s.rope, s.m.add_rigid_body(mass=1, inertia=(1, 1, 1)))),
+    ("b", "has no shape", lambda s: s.m.add_contact(s.rope, s.bare)),
     ("radius", "-1", lambda s: s.m.add_point_mass(1.0, at=(9, 9, 9), radius=-1)),
     ("points", "(0, 0)", lambda s: pl.TriangleMesh([(0, 0)], [(0, 0, 0)])),
     ("triangles", "0 to 2", lambda s: pl.TriangleMesh(TRIANGLE, [(0, 1, 3)])),

@@ -9,8 +9,8 @@ from pliant.scenes import quadruped
 def test_the_plus_has_24_faces_in_one_chart():
     scene = quadruped()
 
-    # 4 nodal vectors at 43 nodes.
-    assert scene.model.dof == 3 * 4 * 43
+    # 4 nodal vectors at 39 nodes.
+    assert scene.model.dof == 3 * 4 * 39
     assert quadruped(refinement=2).model.dof > 3 * scene.model.dof
 
 
@@ -30,8 +30,9 @@ def test_a_stroke_keeps_the_balance(record):
     # which leaves a step's worth of what the force is at the end.
     assert record("quadruped, stroke, momentum against impulses", gap, 0.0, 0.02)
     energy = result.energy
-    # What actuation does from within, friction and damping lose, or is still in motion.
-    assert np.ptp(energy.total) < 0.05 * energy.dissipated[-1]
+    # What actuation does from within, friction and damping lose, or is still in motion. In its first steps it sinks
+    # to where the ground carries it; they are long beside the contact's period, and lose that.
+    assert np.ptp(energy.total[5:]) < 0.05 * energy.dissipated[-1]
     # It is its own mirror image across its way.
     assert np.abs(result.momentum[:, 1]).max() < 1e-9
 

@@ -122,7 +122,7 @@ def quadruped(
     def measures(result: Result) -> dict[str, float]:
         travel = travels(result, period) @ direction
         settled = travel[settling:]
-        impulse = result.contact_impulse(robot, ground)
+        impulse = result.contact_impulse("robot", "ground")
         time = result.time
         begin = int(np.searchsorted(time, settling * period - 1e-9))
         change = result.momentum[-1] - result.momentum[begin]
