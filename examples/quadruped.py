@@ -132,7 +132,7 @@ def picture(study: Study) -> Figure:
     axes.fill_between(time, low, high, color=BLUE, alpha=0.35, label="middle half")
     axes.plot(time, np.median(ways, axis=0), color=BLUE, linewidth=1.5, label="median")
     axes.legend(frameon=False, fontsize=8, loc="upper left")
-    inset = axes.inset_axes((0.62, 0.12, 0.36, 0.38))
+    inset = axes.inset_axes((0.7, 0.07, 0.29, 0.27))
     inset.plot(study.frictions, study.travels, "o-", color=RED, markersize=3, linewidth=1)
     inset.set_ylim(0, 1.15 * study.travels.max())
     inset.set_title("mm per cycle against friction", fontsize=8)

@@ -30,8 +30,8 @@ def test_a_stroke_keeps_the_balance(record):
     # which leaves a step's worth of what the force is at the end.
     assert record("quadruped, stroke, momentum against impulses", gap, 0.0, 0.02)
     energy = result.energy
-    # What actuation does from within, friction and damping lose, or is still in motion. In its first steps it sinks
-    # to where the ground carries it; they are long beside the contact's period, and lose that.
+    # What actuation does from within, friction and damping lose, or is still in motion. In its first steps
+    # it sinks to where the ground carries it; they are long beside the contact's period, and lose that.
     assert np.ptp(energy.total[5:]) < 0.05 * energy.dissipated[-1]
     # It is its own mirror image across its way.
     assert np.abs(result.momentum[:, 1]).max() < 1e-9
