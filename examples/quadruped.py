@@ -165,7 +165,8 @@ def main() -> None:
     path = save(picture(study), "quadruped")
     page = Path(OUT / "quadruped.html")
     study.results[first].export_html(page, color="speed")
-    print(f"look at {path} and {page}")
+    film = study.results[first].animate(OUT / "quadruped.gif", color="speed", fps=10)
+    print(f"look at {path} and {page} and {film}")
 
 
 if __name__ == "__main__":
