@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pliant.beams import Beam
 from pliant.contacts import HalfSpace, TriangleMesh
 from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from pliant.stepper import Stepper
 
 __all__ = [
+    "Beam",
     "Box",
     "Cable",
     "CableNet",

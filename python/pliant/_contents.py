@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._sides import why_not
+from pliant.beams import Beam, BeamBody
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import ModelError
@@ -104,6 +105,8 @@ class Contents:
                 return RigidBody(name, self._identity)
             if isinstance(body, LineBody):
                 return (Cable if body.kind == "cable" else CableNet)(name, self._identity, body)
+            if isinstance(body, BeamBody):
+                return Beam(name, self._identity, body)
             if isinstance(body, SurfaceBody):
                 return (Shell if body.kind == "shell" else Membrane)(name, self._identity, body)
         names = ", ".join(self._names()) or "nothing"
@@ -142,7 +145,9 @@ class Contents:
                 self._verify_part(load.faces if isinstance(load, Pressure) else load.edge, load.name)
             elif not isinstance(load, (LineLoad, MovingForce)):
                 places.append((load.at, (Point,)))
-            elif not isinstance(self._bodies[load.body], LineBody):
+            elif not isinstance(self._bodies[load.body], LineBody) and not (
+                isinstance(load, LineLoad) and isinstance(self._bodies[load.body], BeamBody)
+            ):
                 raise ModelError(f"load '{load.name}': '{load.body}' is no cable")
         for contact in self._contacts.values():
             sides = [self._bodies.get(name) or self._obstacles.get(name) for name in (contact.a, contact.b)]
@@ -197,7 +202,7 @@ class Contents:
     def _add_joint(self, joint: JointData, engaged: object = True, *given: object) -> Joint:
         """Keep a joint; it floats where one of the points ``given`` is a bare body, or the world."""
         holds = _check.flag(engaged, "engaged")
-        floats = any(one is None or isinstance(one, (Cable, CableNet, RigidBody)) for one in given)
+        floats = any(one is None or isinstance(one, (Beam, Cable, CableNet, RigidBody)) for one in given)
         self._joints[joint.name] = joint
         self._latches[joint.name] = Latch(holds, floats)
         return Joint(joint.name, self._identity, self)
@@ -273,11 +278,13 @@ class Contents:
         body = self._bodies.get(value.body)
         if body is None:
             _check.fail(name, value, f"this model has no body '{value.body}'")
-        elements, nodes = (body.elements, body.nodes) if isinstance(body, (LineBody, SurfaceBody)) else (1, 1)
+        elements, nodes = 1, 1
+        if isinstance(body, (LineBody, SurfaceBody, BeamBody)):
+            elements, nodes = body.elements, body.nodes
         if value.element >= elements or (value.node is not None and value.node >= nodes):
             _check.fail(name, value, f"body '{value.body}' of this model has {elements} elements")
-        kinds = (value.local is not None, value.at is not None)
-        if kinds != (isinstance(body, RigidBodyData), isinstance(body, SurfaceBody)):
+        kinds = tuple(place is not None for place in (value.local, value.at, value.offset))
+        if kinds != tuple(isinstance(body, kind) for kind in (RigidBodyData, SurfaceBody, BeamBody)):
             _check.fail(name, value, f"body '{value.body}' of this model is of another kind")
         return value
 
@@ -285,7 +292,9 @@ class Contents:
         point = self._point(value, name)
         if isinstance(self._bodies[point.body], MassBody):
             _check.fail(
-                name, value, "must be a point of a cable or of a rigid body: a point mass has no directions"
+                name,
+                value,
+                "must be a point of a cable, a beam or a rigid body: a point mass has no directions",
             )
         if self._is_membrane(point):
             _check.fail(name, value, "a membrane has no directions at a point; pin it")
@@ -321,7 +330,7 @@ class Contents:
 
         ``anywhere``: the joint is the same wherever its point lies on a rigid body, so that two bare ones do.
         """
-        bare = (Cable, CableNet, RigidBody, Shell, Membrane)
+        bare = (Beam, Cable, CableNet, RigidBody, Shell, Membrane)
         if not isinstance(a, (Point, Handle)):
             _check.fail(names[0], a, "must be a point of a body, such as rope.start")
         if anywhere and isinstance(a, RigidBody) and (b is None or isinstance(b, bare)):
@@ -382,7 +391,7 @@ class Contents:
         if isinstance(body, RigidBodyData):
             center: FloatArray = body.weights(point) @ body.r
             return center
-        if isinstance(body, SurfaceBody):
+        if isinstance(body, (SurfaceBody, BeamBody)):
             return body.place(point)
         if point.node is not None:
             place: FloatArray = body.r[body.first[point.node]]

@@ -138,6 +138,13 @@ class System:
         """Axial force [N] at mid-element, shape (n, elements), of states (n, nq)."""
     def strain(self, cable: int, q: FloatArray, outputs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Axial strain (n, elements) and material curvature vector [1/m] (n, elements, 3) at mid-element."""
+    def beam_offsets(self) -> IntArray:
+        """First coordinate of each beam and number of its nodes, (beams, 2)."""
+    def beam_strain(self, beam: int, q: FloatArray) -> FloatArray:
+        """Axial strain, shear (2), twist and curvatures (3), axial force at mid-element, (n, elements, 7)."""
+    def beam_center(self, beam: int, q: FloatArray) -> FloatArray:
+        """Centre of mass of a beam, (n, 3)."""
+    def beam_mass(self, beam: int) -> float: ...
     def surface_strain(self, surface: int, q: FloatArray) -> FloatArray:
         """Membrane strain (11, 22, 12), change of curvature (11, 22, 12) [1/m] and regime at the middle of
         each face, (n, faces, 7)."""

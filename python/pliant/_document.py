@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody
 from pliant.contacts import ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.errors import ModelError
@@ -28,6 +29,7 @@ KINDS: Mapping[str, type[Any]] = {
     for kind in (
         LineBody,
         SurfaceBody,
+        BeamBody,
         Edge,
         Faces,
         EdgeLoad,

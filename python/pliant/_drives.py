@@ -8,6 +8,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._mechanism import Mechanism
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody
 from pliant.errors import ModelError
 from pliant.forces import Spring
@@ -106,6 +107,7 @@ class Drives(Mechanism):
               ``direction``, that of its tangent (of any length);
             - a hinge: ``angle`` [rad], ``rate`` [rad/s] or ``torque`` [N m];
             - a slider: ``position`` [m], ``rate`` [m/s] or ``force`` [N];
+            - a point of a beam: ``position`` and ``orientation`` of the section, either or both;
             - a rigid body: ``position`` of its centre and ``orientation``, either or both; or ``axis``,
               fixed in the world, with ``angle`` or ``rate``: that rotation only, beside any hinge.
         position, direction, angle, rate, torque, force
@@ -116,8 +118,8 @@ class Drives(Mechanism):
             1e-9, 1e-6 and 1e-3 of the first three derivatives' size. Torques, forces and rates may jump and
             may be a :class:`pliant.Input`. In statics drives are evaluated at the load factor.
         orientation : Rotation or callable
-            A :class:`scipy.spatial.transform.Rotation` from body axes to the world, or a callable of time
-            that returns one.
+            A :class:`scipy.spatial.transform.Rotation` from body or section axes to the world, or a
+            callable of time that returns one.
         axis : array_like, shape (3,), optional
             Axis of the world about which a rigid body turns.
 
@@ -190,7 +192,7 @@ class Drives(Mechanism):
         allowed = ["position"]
         if isinstance(body, LineBody):
             allowed.append("direction")
-        if isinstance(body, RigidBodyData):
+        if isinstance(body, (RigidBodyData, BeamBody)):
             allowed.append("orientation")
         _one_of(given, tuple(allowed), several=True)
         signals = {key: _smooth(given[key], key, 3) for key in ("position", "direction") if key in given}

@@ -16,7 +16,15 @@ from pliant.gas import Chamber
 from pliant.joints import EdgeJoint
 from pliant.loads import Force, LineLoad
 from pliant.points import Handle, Joint, Load, require_handle
-from pliant.readings import ChamberGas, Reaction, SpringForce, Strain, SurfaceStrain, TendonForce
+from pliant.readings import (
+    BeamStrain,
+    ChamberGas,
+    Reaction,
+    SpringForce,
+    Strain,
+    SurfaceStrain,
+    TendonForce,
+)
 from pliant.records import by_blocks
 from pliant.signals import scaled
 from pliant.typing import FloatArray
@@ -228,6 +236,8 @@ class Forces(Lookup):
 
     def axial_force(self, body: Handle | str) -> FloatArray:
         """Axial force [N] at mid-element, (n, elements); of a net the mean in each cable, (n, cables)."""
+        if self._name(body) in self._lowered.beams:
+            return np.ascontiguousarray(self._beam_strain(self._name(body))[..., 6])
         data, name = self._line(body)
         with translated():
             force: FloatArray = by_blocks(
@@ -242,7 +252,7 @@ class Forces(Lookup):
         mean: FloatArray = total / np.add.reduceat(data.lengths, starts)
         return mean
 
-    def strain(self, body: Handle | str) -> Strain | SurfaceStrain:
+    def strain(self, body: Handle | str) -> Strain | BeamStrain | SurfaceStrain:
         """Strains in the middle of elements.
 
         Parameters
@@ -250,7 +260,8 @@ class Forces(Lookup):
         body : body or str
             Of cables and nets a :class:`Strain`: ``axial`` (n, elements) and the vector of ``curvature``
             [1/m] (n, elements, 3). Of shells and membranes a :class:`SurfaceStrain`: ``membrane`` and
-            ``bending`` (n, faces, 3), and the ``regime`` (n, faces) of films.
+            ``bending`` (n, faces, 3), and the ``regime`` (n, faces) of films. Of beams a
+            :class:`BeamStrain`, which also has ``shear``.
         """
         surface = self._name(body)
         if surface in self._lowered.surfaces:
@@ -258,6 +269,9 @@ class Forces(Lookup):
                 number = self._lowered.surfaces[surface]
                 rows = by_blocks(partial(self._system.surface_strain, number), self._records.q)
             return SurfaceStrain(rows[..., :3].copy(), rows[..., 3:6].copy(), rows[..., 6].astype(np.int64))
+        if surface in self._lowered.beams:
+            rows = self._beam_strain(surface)
+            return BeamStrain(rows[..., 0].copy(), rows[..., 3:6].copy(), rows[..., 1:3].copy())
         _, name = self._line(body)
         with translated():
             axial, curvature = by_blocks(
@@ -266,3 +280,10 @@ class Forces(Lookup):
                 self._records.outputs,
             )
         return Strain(axial, curvature)
+
+    def _beam_strain(self, name: str) -> FloatArray:
+        """Numbers of a beam at mid-element, (n, elements, 7)."""
+        with translated():
+            read = partial(self._system.beam_strain, self._lowered.beams[name])
+            rows: FloatArray = by_blocks(read, self._records.q)
+            return rows

@@ -9,6 +9,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._lowered import Lowered
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import translated
 from pliant.points import Handle, Joint, Point, WorldPoint, require_handle
@@ -94,7 +95,7 @@ class Lookup:
         return data, name
 
     def _offsets(self, name: str) -> IntArray:
-        """Offsets in q: strand nodes (n, 2), a mass (1, 1), vectors of a rigid body or surface (k, 1)."""
+        """Offsets in q: strand nodes (n, 2), a mass (1, 1), vectors of other bodies (k, 1)."""
         if name not in self._known_offsets:
             if name in self._lowered.cables:
                 self._known_offsets[name] = self._system.cable_offsets(self._lowered.cables[name])
@@ -104,6 +105,9 @@ class Lookup:
             elif name in self._lowered.surfaces:
                 first, nodes, vectors = self._system.surface_offsets()[self._lowered.surfaces[name]]
                 self._known_offsets[name] = first + 3 * np.arange(nodes * vectors)[:, None]
+            elif name in self._lowered.beams:
+                first, nodes = self._system.beam_offsets()[self._lowered.beams[name]]
+                self._known_offsets[name] = first + 3 * np.arange(4 * nodes)[:, None]
             else:
                 self._known_offsets[name] = self._system.shared_offsets()[self._lowered.shared[name]].reshape(
                     1, 1
@@ -119,6 +123,8 @@ class Lookup:
             offsets = self._offsets(name)[:1, 0]
         elif isinstance(data, SurfaceBody):
             offsets = self._offsets(name)[:: data.vectors, 0]
+        elif isinstance(data, BeamBody):
+            offsets = self._offsets(name)[::4, 0]
         elif data.at is not None:
             return self._at(data.at, rows)[:, None]
         else:
@@ -134,6 +140,9 @@ class Lookup:
         offsets = self._offsets(point.body)
         if isinstance(data, RigidBodyData):
             return offsets[:, 0], data.weights(point)
+        if isinstance(data, BeamBody):
+            index, weights = data.weights(point)
+            return offsets[index, 0], weights
         if isinstance(data, SurfaceBody):
             if point.node is not None:
                 return offsets[[point.node * data.vectors], 0], np.ones(1)

@@ -14,6 +14,7 @@ from pliant._lowered import BodyState, Input, Lowered, is_load, numbers_of, sign
 from pliant._sharing import Sharing
 from pliant._sides import document, is_of_lines
 from pliant._stops import stops
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody
 from pliant.contacts import ContactData, arc, knots
 from pliant.errors import ModelError
@@ -109,6 +110,7 @@ class _Lowering(Sharing):
             "shared_velocities": self._array(speeds),
             "cables": [self._cable(body, body.name in relocated) for body in self.lines.values()],
             "surfaces": [self._surface(body) for body in self.surfaces.values()],
+            "beams": [self._beam(body, body.name in relocated) for body in self.beams.values()],
             "rigid_bodies": [
                 {
                     "name": body.name,
@@ -150,6 +152,7 @@ class _Lowering(Sharing):
         )
         out.coordinates += sum(isinstance(joint, SlideCable) for joint in self.model._joints.values())
         out.coordinates += sum(body.q.size for body in self.surfaces.values())
+        out.coordinates += sum(body.q.size for body in self.beams.values())
         return out
 
     def _equations(self, joint: JointData) -> int:
@@ -157,6 +160,9 @@ class _Lowering(Sharing):
         if isinstance(joint, DrivePoint):
             return joint.equations
         count = EQUATIONS[type(joint)]
+        if isinstance(joint, (Hinge, Cylindrical, Universal)):
+            # The section of a beam keeps its shape where it is held by single directions.
+            count += sum(isinstance(p, Point) and p.offset is not None for p in joint.points())
         for tangent in map(self.model._tangent, joint.points()):
             if tangent is None:
                 continue
@@ -250,11 +256,28 @@ class _Lowering(Sharing):
             "quadrature": body.quadrature,
         }
 
+    def _beam(self, body: BeamBody, relocated: bool) -> Json:
+        start = self.state[body.name].r if relocated else body.q
+        empty = np.empty(0)
+        arrays = {name: self._array(getattr(body, name)) for name in ("lengths", "reference", "stretch")}
+        arrays |= {name: self._array(getattr(body, name)) for name in ("bend", "mass", "section_points")}
+        numbers = ("youngs_modulus", "poisson_ratio", "density", "retardation_time", "locking")
+        return {
+            "name": body.name,
+            **arrays,
+            "q": self._array(empty if start is body.reference else start),
+            "v": self._array(body.v if body.v.any() else empty),
+            **{name: getattr(body, name) for name in numbers},
+        }
+
     def _point(self, point: Point | WorldPoint) -> Json:
         if isinstance(point, WorldPoint):
             return {"world": list(point.position)}
         if point.local is not None:
             return {"rigid": self.lowered.rigid[point.body], "local": list(point.local)}
+        if point.offset is not None:
+            place = {"element": point.element, "xi": point.xi, "offset": list(point.offset)}
+            return {"beam": self.lowered.beams[point.body], **place}
         if point.at is not None:
             return {
                 "surface": self.lowered.surfaces[point.body],
@@ -485,6 +508,9 @@ class _Lowering(Sharing):
                 "value": value,
                 "position": self._signal(load.position, load.name),
             }
+        if isinstance(load, LineLoad) and load.body in self.beams:
+            beam = self.lowered.beams[load.body]
+            return {"kind": "beam_line", "name": load.name, "beam": beam, "value": value}
         if isinstance(load, LineLoad):
             return {
                 "kind": "line",

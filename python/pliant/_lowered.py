@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody
 from pliant.forces import ForceData
 from pliant.gas import Chamber
@@ -57,9 +58,9 @@ class Lowered:
         Callables.
     held : dict
         First number and initial value of each :class:`pliant.Input`; all come before the callables.
-    cables, shared, rigid, surfaces : dict
+    cables, shared, rigid, surfaces, beams : dict
         Number of the cable of each line body; of the shared point of each free mass; of each rigid body;
-        of each surface.
+        of each surface; of each beam.
     forces : dict
         Number of the core's force of each spring.
     chambers : dict
@@ -84,6 +85,7 @@ class Lowered:
     shared: dict[str, int] = field(default_factory=dict)
     rigid: dict[str, int] = field(default_factory=dict)
     surfaces: dict[str, int] = field(default_factory=dict)
+    beams: dict[str, int] = field(default_factory=dict)
     forces: dict[str, int] = field(default_factory=dict)
     chambers: dict[str, int] = field(default_factory=dict)
     contacts: dict[str, int] = field(default_factory=dict)
@@ -110,6 +112,11 @@ class Lowered:
         """Read what :meth:`to_map` wrote."""
         held = {name: (first, initial) for name, (first, initial) in mapping["held"].items()}
         return cls(**{**mapping, "held": held}, document=document, arrays=arrays, inputs=inputs)
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of the bodies that have coordinates."""
+        return [*self.cables, *self.shared, *self.rigid, *self.surfaces, *self.beams]
 
     @property
     def held_values(self) -> FloatArray:
@@ -142,7 +149,7 @@ def initial_state(model: Model) -> dict[str, BodyState]:
         elif isinstance(body, RigidBodyData):
             none = np.zeros((1, 3))
             states[name] = BodyState(body.r, none, body.v_r, none)
-        elif isinstance(body, SurfaceBody):
+        elif isinstance(body, (SurfaceBody, BeamBody)):
             none = np.zeros((1, 3))
             states[name] = BodyState(body.q.reshape(-1, 3), none, body.v.reshape(-1, 3), none)
         elif body.at is None:

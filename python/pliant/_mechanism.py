@@ -473,7 +473,7 @@ class Mechanism(Contents):
                 _check.fail(argument, given, "a membrane has no directions at a point; pin it")
         if not lines and self._tangent(a) is not None and self._tangent(b) is not None:
             _check.fail("b", given_b, "cables have no twist: one side must be a rigid body or the world")
-        flexible = [p for p in (a, b) if isinstance(p, Point) and p.local is None]
+        flexible = [p for p in (a, b) if isinstance(p, Point) and p.local is None and p.offset is None]
         if len(flexible) == 2 and any(p.at is not None for p in flexible):
             _check.fail("b", given_b, "with a shell one side must be a rigid body or the world; pin them")
 

@@ -9,6 +9,7 @@ import numpy as np
 from pliant import _check
 from pliant._lookup import Lookup
 from pliant._lowered import BodyState
+from pliant.beams import BeamBody, section_axes
 from pliant.bodies import GAUSS_5, LineBody, element_masses, hermite
 from pliant.errors import translated
 from pliant.joints import DriveForce, DriveJoint, Gear, Hinge
@@ -43,7 +44,8 @@ class Motion(Lookup):
         Returns
         -------
         Track
-            ``position``, ``velocity``, ``acceleration``, each (n, 3); ``orientation`` on rigid bodies.
+            ``position``, ``velocity``, ``acceleration``, each (n, 3); ``orientation`` on rigid bodies and
+            beams.
         """
         at = self.model._point(point, "point")
         records = self._records
@@ -51,6 +53,14 @@ class Motion(Lookup):
         if at.local is not None:
             offsets = self._offsets(at.body)[1:] + np.arange(3)
             axes = np.ascontiguousarray(records.q[:, offsets])
+        if at.offset is not None:
+            offsets = self._offsets(at.body)[4 * at.element :, 0]
+            gradients = [
+                (1.0 - at.xi) * records.q[:, offsets[k] + np.arange(3)]
+                + at.xi * records.q[:, offsets[k + 4] + np.arange(3)]
+                for k in (2, 3)
+            ]
+            axes = section_axes(*gradients)
         position, velocity, acceleration = (self._at(at, rows) for rows in (records.q, records.v, records.a))
         return Track(position, velocity, acceleration, axes)
 
@@ -121,7 +131,7 @@ class Motion(Lookup):
         records = self._records
         bodies = {}
         lowered = self._lowered
-        for name in [*lowered.cables, *lowered.shared, *lowered.rigid, *lowered.surfaces]:
+        for name in lowered.bodies:
             offsets = self._offsets(name)
             rows = [
                 vector[offsets[:, [column]] + np.arange(3)] if column < offsets.shape[1] else np.zeros((1, 3))
@@ -164,6 +174,11 @@ class Motion(Lookup):
                 number = self._lowered.surfaces[name]
                 middle: FloatArray = by_blocks(partial(self._system.surface_center, number), self._records.q)
                 return middle
+        if isinstance(data, BeamBody):
+            with translated():
+                beam = self._lowered.beams[name]
+                center = by_blocks(partial(self._system.beam_center, beam), self._records.q)
+                return center
         if not isinstance(data, LineBody):
             return self._nodes(name, self._records.q)[:, 0]
         offsets = self._offsets(name)[:, :, None] + np.arange(3)

@@ -16,6 +16,7 @@ import numpy as np
 from pliant import _check
 from pliant._lower import lower
 from pliant._lowered import Lowered
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody
 from pliant.checkpoints import read
 from pliant.errors import ConvergenceError, FileError, ModelError, translated
@@ -113,6 +114,11 @@ def start_vectors(
         if name in lowered.surfaces:
             first, nodes, vectors = system.surface_offsets()[lowered.surfaces[name]]
             index = first + np.arange(3 * nodes * vectors)
+            q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
+            continue
+        if name in lowered.beams:
+            first, nodes = system.beam_offsets()[lowered.beams[name]]
+            index = first + np.arange(12 * nodes)
             q[index], v[index] = body.r.ravel(), moving.v_r.ravel()
             continue
         columns: list[tuple[int, FloatArray, FloatArray]] = [(0, body.r, moving.v_r)]
@@ -250,6 +256,8 @@ def require_state(start: object, name: str, model: Model) -> State:
             if isinstance(body, LineBody)
             else (body.element, body.quads.tobytes(), body.triangles.tobytes())
             if isinstance(body, SurfaceBody)
+            else ("beam", body.nodes)
+            if isinstance(body, BeamBody)
             else ("mass", body.at and replace(body.at, identity=""))
             if isinstance(body, MassBody)
             else ("rigid", body.mass)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant._lowered import BodyState, Lowered, initial_state
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody
 from pliant.errors import ModelError
 from pliant.forces import ForceData, Wind
@@ -44,6 +45,8 @@ class Sharing:
         self.lowered.rigid = {name: k for k, name in enumerate(self.rigid)}
         self.surfaces = {name: body for name, body in model._bodies.items() if isinstance(body, SurfaceBody)}
         self.lowered.surfaces = {name: k for k, name in enumerate(self.surfaces)}
+        self.beams = {name: body for name, body in model._bodies.items() if isinstance(body, BeamBody)}
+        self.lowered.beams = {name: k for k, name in enumerate(self.beams)}
         self.lowered.cables = {name: k for k, name in enumerate(self.lines)}
 
     def _share(self) -> None:
@@ -175,6 +178,9 @@ class Sharing:
         if point.body in self.surfaces:
             surface = self.surfaces[point.body]
             return surface.place(point, state.r.reshape(surface.q.shape))
+        if point.body in self.beams:
+            beam = self.beams[point.body]
+            return beam.place(point, state.r.reshape(beam.q.shape))
         body = self.lines.get(point.body)
         if body is None:
             center: FloatArray = state.r[0]
@@ -197,9 +203,13 @@ class Sharing:
         if not self.moved:
             return bodies
         for joint in self.model._joints.values():
-            if not isinstance(joint, Clamp) or joint.a.body not in self.lines:
+            if not isinstance(joint, Clamp):
                 continue
             name = joint.a.body
+            if name in self.beams and self._has_moved(self.beams[name], joint.a):
+                bodies.add(name)
+            if name not in self.lines:
+                continue
             body, state = self.lines[name], self.state[name]
             moved = self._place(joint.a) - self.model._position(joint.a)
             node = int(body.element_nodes[joint.a.element]) + round(joint.a.xi)
@@ -211,10 +221,18 @@ class Sharing:
         for load in self.model._loads.values():
             if isinstance(load, Force) and load.follower and load.at.body in bodies:
                 raise ModelError(
-                    f"load '{load.name}': a follower force on cable '{load.at.body}' cannot be joined by a "
+                    f"load '{load.name}': a follower force on '{load.at.body}' cannot be joined by a "
                     "clamp that holds it where another run left it; clamp it in both runs"
                 )
         return bodies
+
+    def _has_moved(self, beam: BeamBody, point: Point) -> bool:
+        """Whether the position or the section of a point of a beam has moved before the run."""
+        q = self.state[beam.name].r.reshape(beam.q.shape)
+        node = point.element + round(point.xi)
+        moved = beam.place(point, q) - beam.place(point)
+        turned = q[node, 2:] - beam.q[node, 2:]
+        return max(float(np.linalg.norm(moved)) / self.size, float(np.abs(turned).max())) > 1e-6
 
     def _sides(self) -> dict[str, Json]:
         """Find what hangs on the first body's side of each shared pin: nodes, masses and joints."""

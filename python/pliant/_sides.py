@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.beams import BeamBody
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.contacts import (
     DAMPING,
@@ -40,6 +41,8 @@ def kind_of(side: Side) -> str:
         return "cable"
     if isinstance(side, SurfaceBody):
         return side.kind
+    if isinstance(side, BeamBody):
+        return "beam"
     if isinstance(side, RigidBodyData):
         return "rigid body"
     if isinstance(side, MassBody):
@@ -52,6 +55,8 @@ def why_not(a: Side, b: Side) -> str | None:
     for side in (a, b):
         if isinstance(side, RigidBodyData) and side.shape is None:
             return f"'{side.name}' has no shape: give it one, add_rigid_body(..., shape=pl.Box(...))"
+        if isinstance(side, BeamBody):
+            return "beams do not touch anything yet: take a cable or rigid bodies"
     if isinstance(a, ObstacleData) and isinstance(b, ObstacleData):
         return "two obstacles do not move: one of the two must be a body"
     solid = (RigidBodyData, ObstacleData)
@@ -104,6 +109,7 @@ def _side(side: Side, lowering: _Lowering) -> Json:
     if isinstance(side, MassBody):
         at: Any = {"shared": lowered.shared[side.name]} if side.at is None else lowering._point(side.at)
         return {"side": "mass", "at": at, "mass": side.mass, "radius": side.radius}
+    assert isinstance(side, ObstacleData)
     place = side.document()
     return {"side": "rest", **{key: place[key] for key in ("origin", "axes", "shape")}}
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody
 from pliant.forces import Curvature, ForceData, SheetWind, Wind
 from pliant.gas import Chamber
@@ -79,6 +80,9 @@ def _contents(model: Model) -> tuple[str, list[tuple[str, str, str]]]:
         elif isinstance(body, RigidBodyData):
             place = "({:.6g}, {:.6g}, {:.6g})".format(*body.position)
             rows.append((name, "rigid body", f"{body.mass:.6g} kg at {place}"))
+        elif isinstance(body, BeamBody):
+            text = f"{body.elements} elements, {body.lengths.sum():.6g} m, section {body.section}"
+            rows.append((name, "beam", text))
         elif isinstance(body, SurfaceBody):
             text = f"{body.elements} {body.element} elements, {body.thickness.mean():.4g} m thick"
             rows.append((name, body.kind, text))

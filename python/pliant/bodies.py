@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from pliant import _check
+from pliant.beams import BeamBody
+from pliant.centreline import CentreLine, hermite
 from pliant.curves import Curve, Line, element_nodes, first_nodes, polyline, smooth
 from pliant.errors import ModelError
 from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff
@@ -19,7 +21,7 @@ from pliant.signals import Signal
 from pliant.surfaces import SurfaceBody
 from pliant.typing import FloatArray, IntArray
 
-__all__ = ["LineBody", "MassBody"]
+__all__ = ["LineBody", "MassBody", "hermite"]
 
 # In closed form: numpy.polynomial takes its time to import.
 _INNER, _OUTER = (np.sqrt(5.0 + sign * 2.0 * np.sqrt(10.0 / 7.0)) / 3.0 for sign in (-1.0, 1.0))
@@ -39,7 +41,7 @@ CHOICES = {
 
 
 @dataclass(frozen=True, eq=False)
-class LineBody:
+class LineBody(CentreLine):
     """A cable or a net of cables, discretised; arrays as in the core's document.
 
     Attributes
@@ -156,58 +158,13 @@ class LineBody:
         element, end = self.node_places
         return Point(identity, self.name, int(element[node]), float(end[node]), node)
 
+    def inner_point(self, identity: str, element: int, xi: float) -> Point:
+        """Return a place in an element as a material point."""
+        return Point(identity, self.name, element, xi)
+
     def inner_nodes(self, node: int) -> IntArray:
         """Strand nodes that a node of the body stands for."""
         return np.flatnonzero(self.users == node)
-
-    def shape(self, element: int, xi: float) -> tuple[int, FloatArray]:
-        """First strand node of the element and the four Hermite functions at xi."""
-        length = float(self.lengths[element])
-        return int(self.element_nodes[element]), hermite(np.array(xi), np.array(length))
-
-    def tangent(self, element: int, xi: float) -> FloatArray:
-        """Tangent dr/ds at the start."""
-        length = float(self.lengths[element])
-        a = int(self.element_nodes[element])
-        r, t = self.r[a : a + 2], self.t[a : a + 2]
-        slope: FloatArray = (
-            6.0 * xi * (1 - xi) * (r[1] - r[0]) / length
-            + (1 - 4 * xi + 3 * xi**2) * t[0]
-            + (3 * xi**2 - 2 * xi) * t[1]
-        )
-        return slope
-
-    def nearest(self, target: FloatArray, identity: str) -> Point:
-        """Point of the line nearest to ``target`` at the start."""
-        x = np.linspace(0.0, 1.0, 9)
-        i = self.element_nodes
-        n = hermite(x[None, :], self.lengths[:, None])
-        r = (
-            n[0][..., None] * self.r[i, None]
-            + n[1][..., None] * self.t[i, None]
-            + n[2][..., None] * self.r[i + 1, None]
-            + n[3][..., None] * self.t[i + 1, None]
-        )
-        element, k = (
-            int(j) for j in np.unravel_index(np.argmin(((r - target) ** 2).sum(axis=2)), r.shape[:2])
-        )
-        low, high = max(0.0, x[k] - 0.125), min(1.0, x[k] + 0.125)
-
-        def distance(xi: float) -> float:
-            first, weights = self.shape(element, xi)
-            place = weights @ np.stack([self.r[first], self.t[first], self.r[first + 1], self.t[first + 1]])
-            return float(np.linalg.norm(place - target))
-
-        for _ in range(60):
-            third = (high - low) / 3.0
-            if distance(low + third) < distance(high - third):
-                high -= third
-            else:
-                low += third
-        xi = min((0.0, 1.0, 0.5 * (low + high)), key=distance)
-        if min(xi, 1 - xi) < 1e-7:
-            return self.node_point(identity, self.node_of(element, round(xi)))
-        return Point(identity, self.name, element, xi)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,20 +187,7 @@ class MassBody:
                 _check.fail("position", place, "must be three numbers")
 
 
-Body = LineBody | MassBody | RigidBodyData | SurfaceBody
-
-
-def hermite(xi: FloatArray, length: FloatArray) -> FloatArray:
-    """Hermite functions of (r1, t1, r2, t2), shape (4, ...)."""
-    xi, length = np.broadcast_arrays(xi, length)
-    return np.stack(
-        [
-            1 - 3 * xi**2 + 2 * xi**3,
-            length * (xi - 2 * xi**2 + xi**3),
-            3 * xi**2 - 2 * xi**3,
-            length * (xi**3 - xi**2),
-        ]
-    )
+Body = LineBody | MassBody | RigidBodyData | SurfaceBody | BeamBody
 
 
 def element_masses(body: LineBody) -> FloatArray:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
+from pliant.beams import BeamBody, section_axes
 from pliant.bodies import LineBody, MassBody, hermite
 from pliant.loads import Force
 from pliant.points import Joint, Point
@@ -267,11 +268,66 @@ def _surface(result: Result, name: str, frames: IntArray, fine: int, given: Floa
     return Surface(name, np.stack([weights @ one for one in q]), triangles, values)
 
 
+def _beam(result: Result, name: str, frames: IntArray, fine: int, given: FloatArray | None) -> Drawing:
+    """Outline of the section along the centre line, with both ends closed."""
+    body = result.model._bodies[name]
+    assert isinstance(body, BeamBody)
+    fine = max(1, min(8, 200 // body.elements))
+    element = np.append(np.repeat(np.arange(body.elements), fine), body.elements - 1)
+    xi = np.append(np.tile(np.arange(fine) / fine, body.elements), 1.0)
+    along = hermite(xi, body.lengths[element])
+    outline = body.outline[np.minimum(element, len(body.outline) - 1)]
+    stations, corners = len(element), outline.shape[1]
+    flat = corners == 4  # corners of a polygon with edges: each side has its own points
+    ring = np.repeat(np.arange(corners), 2)[1:].tolist() + [0] if flat else list(range(corners))
+    y, z = outline[:, ring, 0], outline[:, ring, 1]
+    m = len(ring)
+    pairs = [(k, k + 1) for k in range(0, m, 2)] if flat else [(k, (k + 1) % m) for k in range(m)]
+    first = np.arange(stations - 1)[:, None] * m
+    a, b = (first + np.array([pair[end] for pair in pairs]) for end in (0, 1))
+    sides = np.stack([np.stack([a, b, b + m], -1), np.stack([a, b + m, a + m], -1)], 2)
+    rings = np.array([ring.index(k) for k in range(corners)])
+    caps = [
+        base + rings[[0, k + 1, k] if end == 0 else [0, k, k + 1]]
+        for end, base in ((0, 0), (1, (stations - 1) * m))
+        for k in range(1, corners - 1)
+    ]
+    triangles = np.concatenate([sides.reshape(-1, 3), np.array(caps)])
+    offsets = result._offsets(name)[:, 0].reshape(-1, 4)
+
+    def spread(rows: FloatArray) -> FloatArray:
+        nodes = rows[:, offsets[..., None] + np.arange(3)]
+        start, end = nodes[:, element], nodes[:, element + 1]
+        line = sum(w[:, None] * x for w, x in zip(along, (start[:, :, 0], start[:, :, 1]), strict=False))
+        line = line + along[2][:, None] * end[:, :, 0] + along[3][:, None] * end[:, :, 1]
+        across = (1 - xi)[:, None, None] * start[:, :, 2:] + xi[:, None, None] * end[:, :, 2:]
+        points = (
+            line[:, :, None] + y[..., None] * across[:, :, None, 0] + z[..., None] * across[:, :, None, 1]
+        )
+        spread_points: FloatArray = points.reshape(len(rows), -1, 3)
+        return spread_points
+
+    q, v = result._records.q[frames], result._records.v[frames]
+    rows = result._system.beam_strain(result._lowered.beams[name], q)
+    velocity = spread(v)
+    values = {
+        "strain": np.repeat(rows[:, element, 0], m, axis=1),
+        "axial_force": np.repeat(rows[:, element, 6], m, axis=1),
+        "speed": np.linalg.norm(velocity, axis=2),
+        "velocity": velocity,
+    }
+    if given is not None:
+        mixed = (1 - xi) * given[:, element] + xi * given[:, element + 1]
+        values["color"] = np.repeat(mixed, m, axis=1)
+    return Surface(name, spread(q), triangles, values)
+
+
 LOOKS: dict[type, Callable[[Any, str, IntArray, int, FloatArray | None], Drawing]] = {
     LineBody: _line,
     RigidBodyData: _rigid,
     MassBody: _mass,
     SurfaceBody: _surface,
+    BeamBody: _beam,
 }
 """Look of each kind of body: (result, name, frames, pieces an element, given values) to what is drawn."""
 
@@ -309,8 +365,17 @@ def _followed(result: Result, load: Force, q: FloatArray, vectors: FloatArray) -
         axes = q[:, offsets[1:] + np.arange(3)]
         turned = np.einsum("nk,nki->ni", vectors @ body.axes.T, axes)
         return turned
-    assert isinstance(body, LineBody)
     at = load.at
+    if isinstance(body, BeamBody):
+        first = 4 * at.element + np.array([2, 3])
+        gradients = [
+            (1 - at.xi) * q[:, offsets[k, 0] + np.arange(3)] + at.xi * q[:, offsets[k + 4, 0] + np.arange(3)]
+            for k in first
+        ]
+        start = [(1 - at.xi) * body.q[at.element, k] + at.xi * body.q[at.element + 1, k] for k in (2, 3)]
+        turned = np.einsum("nk,nki->ni", vectors @ section_axes(*start).T, section_axes(*gradients))
+        return turned
+    assert isinstance(body, LineBody)
     length, xi = float(body.lengths[at.element]), at.xi
     nodes = q[:, offsets[body.element_nodes[at.element] + np.arange(2)][:, :, None] + np.arange(3)]
     slope = (

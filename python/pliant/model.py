@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant import _check
+from pliant._beams import Beams
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
 from pliant._pneumatics import Pneumatics
 from pliant._touching import Touching
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody, line_of, line_of_net, make_line_body
 from pliant.contacts import ContactData, ObstacleData
 from pliant.errors import FileError, ModelError
@@ -40,7 +42,7 @@ LATER = ("obstacles", "contacts")
 """Lists that a document may lack."""
 
 
-class Model(Pneumatics, Touching):
+class Model(Beams, Pneumatics, Touching):
     """A collection of bodies, joints and loads.
 
     Parameters
@@ -321,7 +323,8 @@ class Model(Pneumatics, Touching):
     def clamp(self, point: Any, *, engaged: bool = True, name: str | None = None) -> Joint:
         """Hold a point of a cable, its position and the direction of its tangent, or a rigid body.
 
-        The stretch of a cable is free.
+        The stretch of a cable is free. Of a beam the position and the section's orientation are held, its
+        stretch and the deformation of the section are free.
 
         Parameters
         ----------
@@ -413,7 +416,7 @@ class Model(Pneumatics, Touching):
             Force [N].
         follower : bool
             Turns with the tangent of the cable, in the plane of tangent and force at the start, or with the
-            rigid body.
+            rigid body or the section of the beam.
 
         Examples
         --------
@@ -437,7 +440,7 @@ class Model(Pneumatics, Touching):
         return self._add_load(Force(self._new_name(name, "force"), at, value, follower))
 
     def add_moment(self, point: Any, moment: Any, *, name: str | None = None) -> Load:
-        """Add a moment at a point of a cable, or on a rigid body.
+        """Add a moment at a point of a cable or a beam, or on a rigid body.
 
         On a cable the part along the tangent does nothing.
 
@@ -464,12 +467,12 @@ class Model(Pneumatics, Touching):
         return self._add_load(Moment(self._new_name(name, "moment"), at, value))
 
     def add_line_load(self, cable: Any, force_per_length: Any, *, name: str | None = None) -> Load:
-        """Add a force per stress-free length on all of a cable or net, or on an edge of a surface.
+        """Add a force per stress-free length on all of a cable, net or beam, or on an edge of a surface.
 
         Parameters
         ----------
-        cable : Cable, CableNet or Edge
-            The body, or ``sheet.edge(points)``.
+        cable : Cable, CableNet, Beam or Edge
+            The body (of a beam its centre line), or ``sheet.edge(points)``.
         force_per_length : array_like, shape (3,), callable, Table or product with a Ramp
             Force per length [N/m].
 
@@ -486,8 +489,8 @@ class Model(Pneumatics, Touching):
         if isinstance(cable, Edge):
             return self._edge_load(cable, force_per_length, name)
         body = self._body(cable, "cable")
-        if not isinstance(body, LineBody):
-            _check.fail("cable", cable, "must be a cable, a net of cables or an edge of a surface")
+        if not isinstance(body, (LineBody, BeamBody)):
+            _check.fail("cable", cable, "must be a cable, a net, a beam or an edge of a surface")
         value = as_signal(force_per_length, "force_per_length", 3)
         self._require_in_plane(body, value, "force_per_length")
         return self._add_load(LineLoad(self._new_name(name, "line_load"), body.name, value))
@@ -590,7 +593,7 @@ class Model(Pneumatics, Touching):
             model = cls(document["gravity"])
             model._identity = _check.text(document["identity"], "identity")
             lists: list[tuple[str, dict[str, Any], tuple[type, ...]]] = [
-                ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData, SurfaceBody)),
+                ("bodies", model._bodies, (LineBody, MassBody, RigidBodyData, SurfaceBody, BeamBody)),
                 ("joints", model._joints, JOINTS),
                 ("loads", model._loads, LOADS),
                 ("obstacles", model._obstacles, (ObstacleData,)),

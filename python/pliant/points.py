@@ -50,6 +50,8 @@ class Point:
         Place from the centre of mass in the axes of a rigid body [m].
     at : tuple of float or None
         Place in the face of a surface.
+    offset : tuple of float or None
+        Distance from the centre line of a beam along y and z of the section [m].
     """
 
     identity: str
@@ -59,6 +61,7 @@ class Point:
     node: int | None = None
     local: tuple[float, float, float] | None = None
     at: tuple[float, float] | None = None
+    offset: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         _check.text(self.body, "body")
@@ -71,6 +74,9 @@ class Point:
         if self.at is not None:
             u, v = (float(c) for c in _check.array(self.at, "at", (2,)))
             object.__setattr__(self, "at", (u, v))
+        if self.offset is not None:
+            y, z = (float(c) for c in _check.array(self.offset, "offset", (2,)))
+            object.__setattr__(self, "offset", (y, z))
 
     def __str__(self) -> str:
         if self.local is not None:
@@ -78,6 +84,8 @@ class Point:
         if self.at is not None and self.node is None:
             return f"{self.body}, face {self.element} at ({self.at[0]:.6g}, {self.at[1]:.6g})"
         place = f"node {self.node}" if self.node is not None else f"element {self.element} at {self.xi:.6g}"
+        if self.offset is not None and any(self.offset):
+            place += ", offset ({:.6g}, {:.6g})".format(*self.offset)
         return f"{self.body}, {place}"
 
 

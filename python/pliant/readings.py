@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = [
+    "BeamStrain",
     "CriticalPoint",
     "Energy",
     "JointMotion",
@@ -34,7 +35,7 @@ class Track:
     Attributes
     ----------
     axes : (n, 3, 3) or None
-        Axes of the rigid body that holds the point, one a row.
+        Axes of the rigid body, or of the beam's section, that holds the point, one a row.
     """
 
     position: FloatArray
@@ -44,9 +45,9 @@ class Track:
 
     @property
     def orientation(self) -> Rotation:
-        """Orientation of a rigid body, n Rotations from body axes to the world."""
+        """Orientation of a rigid body or a beam's section, n Rotations from its axes to the world."""
         if self.axes is None:
-            raise AttributeError("orientation: only points of rigid bodies have one")
+            raise AttributeError("orientation: only points of rigid bodies and beams have one")
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_matrix(np.swapaxes(self.axes, -1, -2))
@@ -128,6 +129,25 @@ class Strain:
 
     axial: FloatArray
     curvature: FloatArray
+
+
+@dataclass(frozen=True)
+class BeamStrain:
+    """Strains of a beam at mid-element, against its stress-free shape.
+
+    Attributes
+    ----------
+    axial : (n, elements)
+        Green-Lagrange strain of the centre line.
+    curvature : (n, elements, 3)
+        Twist, curvature about y and about z of the section [1/m].
+    shear : (n, elements, 2)
+        Shear of the centre line against the section along its y and z.
+    """
+
+    axial: FloatArray
+    curvature: FloatArray
+    shear: FloatArray
 
 
 @dataclass(frozen=True)

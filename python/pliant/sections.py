@@ -6,8 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pliant import _check
 from pliant.errors import ModelError
+from pliant.typing import FloatArray
 
 __all__ = ["Circle", "CrossSection", "Rectangle", "Section", "Tube"]
 
@@ -23,6 +26,15 @@ class _Shape:
         def second_moments(self) -> tuple[float, float]: ...
         @property
         def torsion_constant(self) -> float | None: ...
+
+        def _shear_corrections(self, poisson_ratio: float) -> tuple[float, float]:
+            """Shear area along y and z over the area."""
+
+        def _outline(self) -> FloatArray:
+            """Corners (k, 2) of the section in its y and z [m], for pictures."""
+
+        def _points(self) -> FloatArray | None:
+            """Rule over the section, (m, 3): y, z, part of the area; exact to degree four. None: no shape."""
 
     def summary(self) -> str:
         """Describe the section in a few lines.
@@ -45,6 +57,21 @@ class _Shape:
                 f"  torsion constant {'not given' if torsion is None else f'{torsion:g} m^4'}",
             ]
         )
+
+
+def _ring(radius: float) -> FloatArray:
+    """Corners of a circle, (24, 2)."""
+    angle = np.arange(24) * (2.0 * math.pi / 24)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _polar_points(outer: float, inner: float) -> FloatArray:
+    """Rule over a ring: two Gauss points in the square of the radius, eight angles."""
+    middle, half = (outer**2 + inner**2) / 2.0, (outer**2 - inner**2) / 2.0
+    radii = np.sqrt(middle + half * np.array([-1.0, 1.0]) / math.sqrt(3.0))
+    angle = (np.arange(8) + 0.5) * (math.pi / 4.0)
+    y, z = (np.outer(radii, f(angle)).ravel() for f in (np.cos, np.sin))
+    return np.column_stack([y, z, np.full(16, math.pi * (outer**2 - inner**2) / 16.0)])
 
 
 def _set(section: _Shape, **values: object) -> None:
@@ -88,6 +115,16 @@ class Circle(_Shape):
         """Torsion constant [m^4]."""
         return math.pi * self.radius**4 / 2.0
 
+    def _shear_corrections(self, poisson_ratio: float) -> tuple[float, float]:
+        k = 6.0 * (1.0 + poisson_ratio) / (7.0 + 6.0 * poisson_ratio)
+        return k, k
+
+    def _outline(self) -> FloatArray:
+        return _ring(self.radius)
+
+    def _points(self) -> FloatArray:
+        return _polar_points(self.radius, 0.0)
+
 
 @dataclass(frozen=True)
 class Tube(_Shape):
@@ -127,6 +164,17 @@ class Tube(_Shape):
     def torsion_constant(self) -> float:
         """Torsion constant [m^4]."""
         return 2.0 * self.second_moments[0]
+
+    def _shear_corrections(self, poisson_ratio: float) -> tuple[float, float]:
+        nu, m = poisson_ratio, (self.inner_radius / self.outer_radius) ** 2
+        k = 6.0 * (1 + nu) * (1 + m) ** 2 / ((7 + 6 * nu) * (1 + m) ** 2 + (20 + 12 * nu) * m)
+        return k, k
+
+    def _outline(self) -> FloatArray:
+        return _ring(self.outer_radius)
+
+    def _points(self) -> FloatArray:
+        return _polar_points(self.outer_radius, self.inner_radius)
 
     @property
     def radius(self) -> float:
@@ -173,6 +221,20 @@ class Rectangle(_Shape):
         series = sum(math.tanh(k * math.pi * long / (2.0 * short)) / k**5 for k in range(1, 40, 2))
         return long * short**3 / 3.0 * (1.0 - 192.0 * short / (math.pi**5 * long) * series)
 
+    def _shear_corrections(self, poisson_ratio: float) -> tuple[float, float]:
+        k = 10.0 * (1.0 + poisson_ratio) / (12.0 + 11.0 * poisson_ratio)
+        return k, k
+
+    def _outline(self) -> FloatArray:
+        corners = np.array([(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)])
+        return corners * (self.width / 2.0, self.height / 2.0)
+
+    def _points(self) -> FloatArray:
+        x = np.array([-1.0, 0.0, 1.0]) * math.sqrt(0.6) / 2.0
+        weight = np.array([5.0, 8.0, 5.0]) / 18.0
+        y, z = np.meshgrid(x * self.width, x * self.height, indexing="ij")
+        return np.column_stack([y.ravel(), z.ravel(), np.outer(weight, weight).ravel() * self.area])
+
     @property
     def radius(self) -> float:
         """Radius for contact and pictures [m]."""
@@ -190,9 +252,11 @@ class Section(_Shape):
     second_moments : (float, float)
         Second moments of area (I_y, I_z) [m^4], 0 or more.
     torsion_constant : float, optional
-        Torsion constant [m^4], above 0.
+        Torsion constant [m^4], above 0; beams need it.
     radius : float, optional
         Radius for contact and pictures [m], above 0.
+    shear_corrections : (float, float)
+        Area that carries shear along y and along z over the area, above 0; beams read it.
 
     Examples
     --------
@@ -204,8 +268,13 @@ class Section(_Shape):
     second_moments: tuple[float, float]
     torsion_constant: float | None = None
     radius: float | None = None
+    shear_corrections: tuple[float, float] = (5.0 / 6.0, 5.0 / 6.0)
 
     def __post_init__(self) -> None:
+        k_y, k_z = _check.array(self.shear_corrections, "shear_corrections", (2,))
+        if min(k_y, k_z) <= 0:
+            _check.fail("shear_corrections", self.shear_corrections, "must be above 0")
+        _set(self, shear_corrections=(float(k_y), float(k_z)))
         moments = _check.array(self.second_moments, "second_moments", (2,))
         if moments.min() < 0:
             _check.fail("second_moments", self.second_moments, "must be 0 or more")
@@ -215,6 +284,15 @@ class Section(_Shape):
             _set(self, torsion_constant=_check.number(self.torsion_constant, "torsion_constant", above=0))
         if self.radius is not None:
             _set(self, radius=_check.number(self.radius, "radius", above=0))
+
+    def _shear_corrections(self, poisson_ratio: float) -> tuple[float, float]:
+        return self.shear_corrections
+
+    def _outline(self) -> FloatArray:
+        return _ring(math.sqrt(self.area / math.pi) if self.radius is None else self.radius)
+
+    def _points(self) -> None:
+        return None
 
 
 CrossSection = Circle | Tube | Rectangle | Section

@@ -33,6 +33,7 @@ from pliant.latches import checked_gap
 from pliant.model import Model
 from pliant.points import Handle, Joint, Load, Point, PointMass
 from pliant.readings import (
+    BeamStrain,
     ChamberGas,
     Energy,
     JointMotion,
@@ -391,7 +392,7 @@ class Stepper:
         """Axial force [N] at mid-element, (elements,); of a net the mean in each cable, (cables,)."""
         return _only(self._now.axial_force(body))
 
-    def strain(self, body: Handle | str) -> Strain | SurfaceStrain:
+    def strain(self, body: Handle | str) -> Strain | BeamStrain | SurfaceStrain:
         """Strains in the middle of elements; see :meth:`pliant.Result.strain`."""
         return _only(self._now.strain(body))
 

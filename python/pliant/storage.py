@@ -14,6 +14,7 @@ import numpy as np
 
 from pliant._lookup import Lookup
 from pliant._lowered import Lowered
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody
 from pliant.errors import FileError
 from pliant.files import atomic
@@ -41,7 +42,7 @@ def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:
         name: np.frombuffer(text.encode(), dtype=np.uint8) for name, text in texts.items()
     }
     data |= {f"lowered/arrays/{k}": array for k, array in enumerate(lowered.arrays)}
-    for name in [*lowered.cables, *lowered.shared, *lowered.rigid, *lowered.surfaces]:
+    for name in lowered.bodies:
         body = rows.model._bodies[name]
         offsets = rows._offsets(name)[:, 0]
         data[f"offsets/{quote(name, safe='').replace('.', '%2E')}"] = (
@@ -49,6 +50,8 @@ def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:
             if isinstance(body, LineBody)
             else offsets[:: body.vectors]
             if isinstance(body, SurfaceBody)
+            else offsets[::4]
+            if isinstance(body, BeamBody)
             else offsets[:1]
         )
     return {

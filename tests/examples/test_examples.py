@@ -25,6 +25,7 @@ SMALL = {
     "cable_slap": {"elements": 60, "step": 5e-4, "duration": 0.3},
     "capstan": {"members": 1, "wrap": 2.0, "elements": 40, "duration": 0.3},
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
+    "coil_spring": {"elements": 80, "duration": 0.04, "step": 4e-3},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
     "folded_chain": {"elements": 60, "step": 5e-4, "duration": 0.51},
@@ -219,6 +220,17 @@ def test_the_finger_bends_and_the_gas_does_the_work(examples, record):
     # Equilibrium, on a half circle of three cubics: 0.17 per cent of its radius inside.
     section = finger.pressure[-1] * np.pi * 0.01**2 / 2
     assert record("example finger, force on its root", -finger.root / section, 1.0, 5e-3, source="statics")
+
+
+def test_the_spring_sinks_and_turns_as_a_thin_helix(examples, record):
+    _, spring = examples["coil_spring"]
+    # 16 elements a turn leave 1 %, and a stretch by a twentieth changes the angle of pitch.
+    assert record("example spring, deflection", spring.sink, 1.0, 0.03, unit="thin helix")
+    # A small difference of twisting and bending, second order: 0.25 left, 0.06 by twice as many.
+    assert record("example spring, turn", spring.turn, 1.0, 0.3, unit="thin helix")
+    # A third of the spring's mass is an approximation itself.
+    assert record("example spring, frequency", spring.frequency, 1.0, 0.02, unit="mass on a spring")
+    assert spring.drift < 1e-2
 
 
 def test_the_strut_buckles_at_eulers_load_into_the_elastica(examples, record):

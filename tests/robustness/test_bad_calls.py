@@ -79,6 +79,10 @@ def shell(s: SimpleNamespace, mesh: Any = None, **changes: Any) -> Any:
     return s.m.add_shell(s.square if mesh is None else mesh, **given)
 
 
+def beam(s: SimpleNamespace, points: Any = None, **changes: Any) -> Any:
+    return s.m.add_beam(s.line if points is None else points, **{**s.k, **changes})
+
+
 def rigid(s: SimpleNamespace, **changes: Any) -> Any:
     return s.m.add_rigid_body(**{"mass": 1.0, "shape": pl.Sphere(0.1), **changes})
 
@@ -199,6 +203,38 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("point", "Point", lambda s: s.m.clamp(s.film.node(0))),
     ("to", "(0, 0, 0)", lambda s: s.m.pin(s.sheet.edge("u_min"), to=(0, 0, 0))),
     ("b", "film", lambda s: s.m.weld(s.sheet.edge("u_min"), s.film.edge("rim"))),
+    # beams
+    ("points[1]", "corners", lambda s: beam(s, TRIANGLE)),
+    ("points", "function", lambda s: beam(s, helix)),
+    ("elements", "0", lambda s: beam(s, elements=0)),
+    ("section", "7", lambda s: beam(s, section=7)),
+    ("section", "torsion_constant", lambda s: beam(s, section=pl.Section(1e-4, (1e-9, 1e-9)))),
+    ("section[0]", "None", lambda s: beam(s, section=[None, s.section, s.section, s.section])),
+    ("section", "4 elements", lambda s: beam(s, section=[s.section] * 3)),
+    (
+        "section",
+        "second moments",
+        lambda s: beam(s, section=pl.Section(1e-4, (1e-9, 0), torsion_constant=1e-9)),
+    ),
+    ("material", "'wood'", lambda s: beam(s, material="wood")),
+    ("material", "NeoHookean", lambda s: beam(s, material=pl.NeoHookean(1e6, 0.5, 1e3))),
+    ("up", "(0, 0)", lambda s: beam(s, up=(0, 0))),
+    ("up", "(0, 0, 0)", lambda s: beam(s, up=(0, 0, 0))),
+    ("up", "callable", lambda s: beam(s, up=lambda x: (1, 0, 0))),
+    ("up(0)", "nan", lambda s: beam(s, up=lambda x: (0, 0, NAN))),
+    ("locking", "'reduced'", lambda s: beam(s, locking="reduced")),
+    ("locking", "none", lambda s: beam(s, locking="none", section=lambda x: pl.Circle(0.01 + 0.001 * x))),
+    ("initial", "(2, 3)", lambda s: beam(s, initial=np.zeros((2, 3)))),
+    ("initial", "apart", lambda s: beam(s, initial=np.zeros((5, 3)))),
+    ("velocity", "(1, 2)", lambda s: beam(s, velocity=(1, 2))),
+    ("offset", "0.1", lambda s: beam(s).at(0.5, offset=0.1)),
+    ("offset", "nan", lambda s: beam(s).at(0.5, offset=(NAN, 0))),
+    ("s", "2", lambda s: beam(s).at(2)),
+    ("i", "9", lambda s: beam(s).node(9)),
+    ("direction", "(0, 0, 1)", lambda s: s.m.drive(beam(s).end, direction=(0, 0, 1))),
+    ("orientation", "'up'", lambda s: s.m.drive(beam(s).end, orientation="up")),
+    ("b", "beams", lambda s: s.m.add_contact(s.rope, beam(s))),
+    ("shear_corrections", "(0, 1)", lambda s: pl.Section(1, (1, 1), shear_corrections=(0, 1))),
     # sections
     ("radius", "0", lambda s: pl.Circle(radius=0)),
     ("radius", "-1", lambda s: pl.Circle(radius=-1)),

@@ -103,6 +103,18 @@ pub enum ElementError {
         /// What is allowed.
         range: &'static str,
     },
+    /// A number of a beam element is outside its range.
+    #[error("beam element {element}: {name} is {value}; it must be {range}")]
+    BeamOutOfRange {
+        /// Number of the element.
+        element: usize,
+        /// What the number is.
+        name: &'static str,
+        /// The number.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
     /// A surface element without area.
     #[error("face {face} has no area: its corners or slopes coincide")]
     Degenerate {

@@ -3,6 +3,7 @@
 //! Elements of one kind and one law form a [`Block`]: arrays of plain numbers, one dispatch per block, static code
 //! inside. Time stepping, contact and joints are unknown here.
 
+pub mod beam;
 pub mod block;
 pub mod element;
 pub mod elements;
@@ -12,6 +13,7 @@ pub mod materials;
 mod surface;
 pub mod testing;
 
+pub use beam::{BeamBlock, BeamElement, BeamLaw, BeamStrain, Locking};
 pub use block::{CableBlock, Parameter};
 pub use element::{Block, Momentum, Motion, Slot, Weights, Workspace};
 pub use elements::cable::{

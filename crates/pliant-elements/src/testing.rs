@@ -2,6 +2,7 @@
 
 use pliant_math::Dual;
 
+use crate::beam::BeamBlock;
 use crate::block::CableBlock;
 use crate::surface::SurfaceBlock;
 
@@ -50,5 +51,29 @@ pub fn surface_force(block: &SurfaceBlock, e: usize, q: &[f64], v: &[f64]) -> Ve
 /// The same with its derivative along the dual parts.
 #[must_use]
 pub fn surface_force_dual(block: &SurfaceBlock, e: usize, q: &[Dual], v: &[Dual]) -> Vec<Dual> {
+    block.local_force(e, q, v)
+}
+
+/// Elastic energy of beam element `e` at local coordinates.
+#[must_use]
+pub fn beam_energy(block: &BeamBlock, e: usize, q: &[f64; 24]) -> f64 {
+    block.local_energy(e, q)
+}
+
+/// The same with its derivative along the dual parts.
+#[must_use]
+pub fn beam_energy_dual(block: &BeamBlock, e: usize, q: &[Dual; 24]) -> Dual {
+    block.local_energy(e, q)
+}
+
+/// Inner force of beam element `e` at local coordinates and velocities.
+#[must_use]
+pub fn beam_force(block: &BeamBlock, e: usize, q: &[f64; 24], v: &[f64; 24]) -> [f64; 24] {
+    block.local_force(e, q, v)
+}
+
+/// The same with its derivative along the dual parts.
+#[must_use]
+pub fn beam_force_dual(block: &BeamBlock, e: usize, q: &[Dual; 24], v: &[Dual; 24]) -> [Dual; 24] {
     block.local_force(e, q, v)
 }

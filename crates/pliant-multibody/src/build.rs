@@ -1,5 +1,6 @@
 //! From a model document to a [`Model`]: coordinates, blocks, masses, joints, loads and the sparsity of it all.
 
+mod beams;
 mod cables;
 mod chambers;
 mod joints;
@@ -20,6 +21,7 @@ use crate::loads::line::LineLoad;
 use crate::loads::moment::{BodyMoment, Moment};
 use crate::loads::moving::MovingForce;
 use crate::loads::pressure::{Face, Pressure};
+use crate::loads::section::{SectionForce, SectionMoment};
 use crate::model::{
     Blocks, FacePlace, LatchState, Mass, Model, Placed, PlacedForce, PlacedFreedom, PlacedJoint,
     PlacedLoad,
@@ -30,6 +32,7 @@ use crate::signal::Value;
 use crate::spec::{Array, CableSpec, ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
 use crate::winch::{Winch, Wound};
+use beams::beam_blocks;
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
 use pliant_dae::structure::{Storage, Structure};
@@ -67,6 +70,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     map.add_groups(&mut structure);
     let (cables, strands) = blocks(spec, arrays, &map, &mut structure)?;
     let (surfaces, faces) = surface_blocks(spec, arrays, &map, &mut structure)?;
+    let beams = beam_blocks(spec, arrays, &map, &mut structure)?;
     let length = model_length(spec, &map, &initial_q);
     let mut scale = vec![length; map.coordinates];
     for node in map.cables.iter().flat_map(|c| &c.nodes) {
@@ -77,6 +81,11 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     }
     for surface in &map.surfaces {
         surface.add_scale(&mut scale);
+    }
+    for beam in &map.beams {
+        for node in 0..beam.nodes() {
+            scale[beam.offset(node, 1)..beam.offset(node + 1, 0)].fill(1.0);
+        }
     }
     let mut builder = Builder {
         map: &map,
@@ -118,8 +127,8 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     let weight = vector(spec.gravity).norm();
     let mut model = Model {
         map,
-        axial_energy: axial_energy + stiffness_scale(&surfaces),
-        blocks: Blocks { cables, surfaces },
+        axial_energy: axial_energy + stiffness_scale(&surfaces) + beams::stiffness_scale(&beams),
+        blocks: Blocks { cables, surfaces, beams },
         strands,
         faces,
         cable_masses,
@@ -222,6 +231,18 @@ fn initial(
             v[range].copy_from_slice(speeds);
         }
     }
+    for (beam, beam_map) in spec.beams.iter().zip(&map.beams) {
+        let range = beam_map.range();
+        let place = |what: &str| format!("beam '{}', {what}", beam.name);
+        let own = arrays.sized(&beam.q, &[0, range.len()], &place("q"))?;
+        let own =
+            if own.is_empty() { arrays.get(&beam.reference, &place("reference"))? } else { own };
+        q[range.clone()].copy_from_slice(own);
+        let speeds = arrays.sized(&beam.v, &[0, range.len()], &place("v"))?;
+        if !speeds.is_empty() {
+            v[range].copy_from_slice(speeds);
+        }
+    }
     let finite = |x: &f64| x.is_finite();
     if let Some(&value) = q.iter().chain(&v).find(|&x| !finite(x)) {
         return Err(ModelError::Value {
@@ -267,6 +288,8 @@ fn model_length(spec: &ModelSpec, map: &DofMap, q: &[f64]) -> f64 {
     let nodes = map.cables.iter().flat_map(|c| c.nodes.iter().map(|n| n.r as usize));
     let nodes = nodes
         .chain(map.surfaces.iter().flat_map(|s| (0..s.nodes).map(move |node| s.offset(node, 0))));
+    let nodes =
+        nodes.chain(map.beams.iter().flat_map(|b| (0..b.nodes()).map(move |i| b.offset(i, 0))));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for offset in nodes.chain(map.shared.iter().copied()) {
         for k in 0..3 {
@@ -438,6 +461,12 @@ impl Builder<'_> {
                         let start = e.each_ref().map(|e| vector(e.at(self.q)));
                         Box::new(BodyForce::new(r, e, start, support))
                     }
+                    (true, (r, Frame::Section(gradients))) => {
+                        let support = self.support([&r, &gradients[0], &gradients[1]]);
+                        let force = SectionForce::new(r, gradients, self.q, support);
+                        let reason = "its section is degenerate at the start";
+                        Box::new(force.ok_or(ModelError::Unsupported { place, reason })?)
+                    }
                     _ => {
                         let reason = "a follower force needs a point that has a direction";
                         return Err(ModelError::Unsupported { place, reason });
@@ -457,8 +486,12 @@ impl Builder<'_> {
                         let support = self.support([&e[0]]);
                         (Box::new(BodyMoment::new(e, support)), value)
                     }
+                    Frame::Section(gradients) => {
+                        let support = self.support(&gradients);
+                        (Box::new(SectionMoment::new(gradients, support)), value)
+                    }
                     _ => {
-                        let reason = "a moment needs a point of a cable or of a rigid body";
+                        let reason = "a moment needs a point of a cable, a beam or a rigid body";
                         return Err(ModelError::Unsupported { place, reason });
                     }
                 }
@@ -492,6 +525,11 @@ impl Builder<'_> {
                 let position = Value::new(position, &place)?;
                 let load = self.moving_force(*cable, position, &place)?;
                 (Box::new(load), Value::new(value, &place)?)
+            }
+            LoadSpec::BeamLine { name, beam, value } => {
+                let place = format!("load '{name}'");
+                let weights = self.map.beam(*beam, &place)?.line_weights();
+                (Box::new(LineLoad { weights }), Value::new(value, &place)?)
             }
             LoadSpec::Line { name, cable, value } => {
                 let place = format!("load '{name}'");

@@ -2,8 +2,9 @@
 //!
 //! Cables come first, node by node: position and slope (6), or the slope alone (3) where the position is a shared
 //! point's; the shared points follow (3 each), the rigid bodies, centre and axes (12), the arc lengths of sliding joints,
-//! then the surfaces, node by node. Multipliers are numbered after all coordinates, joint by joint.
+//! then the surfaces, node by node, and the beams, node by node. Multipliers are numbered after all coordinates, joint by joint.
 
+use crate::beam_map::{BeamMap, NODE};
 use crate::document::Arrays;
 use crate::error::ModelError;
 use crate::joints::side::Frame;
@@ -80,6 +81,8 @@ pub struct DofMap {
     pub cables: Vec<CableMap>,
     /// Shells and membranes.
     pub surfaces: Vec<SurfaceMap>,
+    /// Beams.
+    pub beams: Vec<BeamMap>,
     /// Offsets of the shared points.
     pub shared: Vec<usize>,
     /// Names of the rigid bodies.
@@ -166,9 +169,16 @@ impl DofMap {
             coordinates += map.coordinates();
             surfaces.push(map);
         }
+        let mut beams = Vec::with_capacity(spec.beams.len());
+        for beam in &spec.beams {
+            let map = BeamMap::new(beam, arrays, coordinates)?;
+            coordinates = map.range().end;
+            beams.push(map);
+        }
         Ok(Self {
             cables,
             surfaces,
+            beams,
             shared: offsets,
             rigid_names,
             rigid,
@@ -206,6 +216,12 @@ impl DofMap {
                 add(first..first + 3 * surface.vectors, &mut self.group);
             }
         }
+        for beam in &self.beams {
+            for node in 0..beam.nodes() {
+                let first = beam.offset(node, 0);
+                add(first..first + NODE, &mut self.group);
+            }
+        }
     }
 
     /// A surface by its number.
@@ -218,6 +234,19 @@ impl DofMap {
             kind: "surface",
             index: number,
             count: self.surfaces.len(),
+        })
+    }
+
+    /// A beam by its number.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming `place` where there is none.
+    pub fn beam(&self, number: usize, place: &str) -> Result<&BeamMap, ModelError> {
+        self.beams.get(number).ok_or_else(|| ModelError::Reference {
+            place: place.to_owned(),
+            kind: "beam",
+            index: number,
+            count: self.beams.len(),
         })
     }
 
@@ -294,6 +323,22 @@ impl DofMap {
                 let bends = map.faces[face].kind.bends();
                 Ok((r, if bends { Frame::Sheet([a, b]) } else { Frame::Point }))
             }
+            PointSpec::Beam { beam, element, xi, offset } => {
+                let map = self.beam(beam, place)?;
+                if element >= map.elements() {
+                    return Err(reference("element", element, map.elements()));
+                }
+                let allowed = "xi from 0 to 1, and finite offsets";
+                let wrong = |value| ModelError::Value { place: place.to_owned(), value, allowed };
+                if !(0.0..=1.0).contains(&xi) {
+                    return Err(wrong(xi));
+                }
+                if let Some(&value) = offset.iter().find(|x| !x.is_finite()) {
+                    return Err(wrong(value));
+                }
+                let r = map.point(element, xi, offset);
+                Ok((r, Frame::Section(map.section(element, xi))))
+            }
             PointSpec::Cable { cable, element, xi } => {
                 let count = self.cables.len();
                 let map = self.cables.get(cable).ok_or_else(|| reference("cable", cable, count))?;
@@ -331,6 +376,9 @@ impl DofMap {
         }
         if let Some(surface) = self.surfaces.iter().find(|s| s.range().contains(&coordinate)) {
             return surface.describe(coordinate);
+        }
+        if let Some(beam) = self.beams.iter().find(|b| b.range().contains(&coordinate)) {
+            return beam.describe(coordinate);
         }
         if let Some(k) = self.rigid.iter().rposition(|&first| first <= coordinate) {
             let (place, c) = (coordinate - self.rigid[k], component(self.rigid[k]));

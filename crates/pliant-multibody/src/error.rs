@@ -93,6 +93,14 @@ pub enum ModelError {
         /// Why.
         source: ElementError,
     },
+    /// A beam element refused its parameters.
+    #[error("beam '{beam}': {source}")]
+    Beam {
+        /// Name of the beam.
+        beam: String,
+        /// Why.
+        source: ElementError,
+    },
     /// A surface element refused its parameters.
     #[error("surface '{surface}': {source}")]
     Surface {

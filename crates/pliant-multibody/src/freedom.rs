@@ -1,10 +1,10 @@
 //! The freedom that a joint leaves, as a number y(q): an angle or a way, with its derivatives.
 //!
-//! Both are made of products u.w of vectors affine in the coordinates. A way is one product. An angle is
+//! Both are made of products u.w of vectors ([`crate::joints::arm`]). A way is one product. An angle is
 //! `Im log z`, `z = c + i s` with two of them, so that with `w_k = z^(k)/z` its time derivatives are `Im w_1`,
 //! `Im (w_2 - w_1^2)`, `Im (w_3 - 3 w_1 w_2 + 2 w_1^3)`.
 
-use crate::joints::product::{Arm, Role};
+use crate::joints::arm::{self, Arm, Role, add_gradient};
 use crate::point::{Interpolation, Support};
 use nalgebra::{Complex, Vector3};
 use std::f64::consts::TAU;
@@ -32,37 +32,6 @@ pub enum Freedom {
     },
 }
 
-/// Value of u.w and its first three time derivatives, the third at zero jerk.
-fn product(u: &Arm, w: &Arm, x: &[f64], v: &[f64], a: &[f64]) -> [f64; 4] {
-    let (u0, u1, u2) = (u.at(x), u.rate(v), u.rate(a));
-    let (w0, w1, w2) = (w.at(x), w.rate(v), w.rate(a));
-    [
-        u0.dot(&w0),
-        u1.dot(&w0) + u0.dot(&w1),
-        u2.dot(&w0) + 2.0 * u1.dot(&w1) + u0.dot(&w2),
-        3.0 * (u2.dot(&w1) + u1.dot(&w2)),
-    ]
-}
-
-/// `out += factor d(u.w)/dx`
-fn add_gradient(u: &Arm, w: &Arm, x: &[f64], factor: f64, out: &mut [f64]) {
-    w.value.add_force((u.at(x) * factor).into(), out);
-    u.value.add_force((w.at(x) * factor).into(), out);
-}
-
-/// `out += factor d2(u.w)/dx2`, n x n row by row.
-pub(crate) fn add_product_hessian(u: &Arm, w: &Arm, n: usize, factor: f64, out: &mut [f64]) {
-    for &(i, u_i) in &u.value.terms {
-        for &(j, w_j) in &w.value.terms {
-            let h = factor * u_i * w_j;
-            for k in 0..3 {
-                out[(i + k) * n + j + k] += h;
-                out[(j + k) * n + i + k] += h;
-            }
-        }
-    }
-}
-
 impl Freedom {
     /// Whether it is an angle, known up to whole turns.
     #[must_use]
@@ -74,15 +43,17 @@ impl Freedom {
     #[must_use]
     pub fn interpolations(&self) -> Vec<&Interpolation> {
         match self {
-            Self::Angle { u, cosine, sine, .. } => vec![&u.value, &cosine.value, &sine.value],
-            Self::Length { u, w } => vec![&u.value, &w.value],
+            Self::Angle { u, cosine, sine, .. } => {
+                [u, cosine, sine].into_iter().flat_map(Arm::interpolations).collect()
+            }
+            Self::Length { u, w } => [u, w].into_iter().flat_map(Arm::interpolations).collect(),
         }
     }
 
     /// The same over the coordinates of a support.
     #[must_use]
     pub fn placed(&self, support: &Support) -> Self {
-        let local = |arm: &Arm| Arm { value: support.localize(&arm.value), role: arm.role };
+        let local = |arm: &Arm| arm.placed(support);
         match self {
             Self::Angle { u, cosine, sine, sign } => {
                 Self::Angle { u: local(u), cosine: local(cosine), sine: local(sine), sign: *sign }
@@ -96,13 +67,13 @@ impl Freedom {
     pub fn motion(&self, x: &[f64], v: &[f64], a: &[f64]) -> [f64; 4] {
         match self {
             Self::Angle { u, cosine, sine, sign } => {
-                let (c, s) = (product(u, cosine, x, v, a), product(u, sine, x, v, a));
+                let (c, s) = (arm::motion(u, cosine, x, v, a), arm::motion(u, sine, x, v, a));
                 let z: [Complex<f64>; 4] = std::array::from_fn(|k| Complex::new(c[k], s[k]));
                 let [w1, w2, w3] = [1, 2, 3].map(|k| z[k] / z[0]);
                 let third = w3 - w1 * w2 * 3.0 + w1 * w1 * w1 * 2.0;
                 [z[0].arg(), w1.im, (w2 - w1 * w1).im, third.im].map(|y| sign * y)
             }
-            Self::Length { u, w } => product(u, w, x, v, a),
+            Self::Length { u, w } => arm::motion(u, w, x, v, a),
         }
     }
 
@@ -148,8 +119,8 @@ impl Freedom {
                 let (c, s) = (u.at(x).dot(&cosine.at(x)), u.at(x).dot(&sine.at(x)));
                 let square = c * c + s * s;
                 let f = sign * factor / square;
-                add_product_hessian(u, sine, n, f * c, out);
-                add_product_hessian(u, cosine, n, -f * s, out);
+                arm::add_hessian(u, sine, x, f * c, out);
+                arm::add_hessian(u, cosine, x, -f * s, out);
                 let (mut c_x, mut s_x) = (vec![0.0; n], vec![0.0; n]);
                 add_gradient(u, cosine, x, 1.0, &mut c_x);
                 add_gradient(u, sine, x, 1.0, &mut s_x);
@@ -161,7 +132,7 @@ impl Freedom {
                     }
                 }
             }
-            Self::Length { u, w } => add_product_hessian(u, w, n, factor, out),
+            Self::Length { u, w } => arm::add_hessian(u, w, x, factor, out),
         }
     }
 

@@ -110,7 +110,11 @@ pub(crate) struct Latch {
 /// Moves a point to where the other is: on the second body, or on the first where only that one has axes.
 fn close<'q>(a: &mut Side<'q>, b: &mut Side<'q>) {
     let (target, moved) =
-        if !b.is_frame() && matches!(a.frame, Frame::Body(_)) { (b, a) } else { (a, b) };
+        if !matches!(b.frame, Frame::World | Frame::Body(_)) && matches!(a.frame, Frame::Body(_)) {
+            (b, a)
+        } else {
+            (a, b)
+        };
     let q = target.q;
     let gap = vector(target.r.at(q)) - vector(moved.r.at(q));
     if let Frame::Body(e) = &moved.frame {

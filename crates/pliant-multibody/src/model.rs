@@ -17,7 +17,7 @@ use crate::winch::Winch;
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::{self, LinearSolver};
 use pliant_dae::structure::{self, Storage, Structure};
-use pliant_elements::{Block, CableBlock, SurfaceBlock};
+use pliant_elements::{BeamBlock, Block, CableBlock, SurfaceBlock};
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
@@ -51,6 +51,8 @@ pub(crate) struct Blocks {
     pub cables: Vec<Placed<Box<CableBlock>>>,
     /// Loads on faces share the block.
     pub surfaces: Vec<Placed<Arc<SurfaceBlock>>>,
+    /// One for each beam.
+    pub beams: Vec<Placed<Box<BeamBlock>>>,
 }
 
 impl Blocks {
@@ -58,7 +60,8 @@ impl Blocks {
     pub fn iter(&self) -> impl Iterator<Item = (&dyn Block, &Range<usize>)> {
         let cables = self.cables.iter().map(|p| (&*p.block as &dyn Block, &p.values));
         let surfaces = self.surfaces.iter().map(|p| (&*p.block as &dyn Block, &p.values));
-        cables.chain(surfaces)
+        let beams = self.beams.iter().map(|p| (&*p.block as &dyn Block, &p.values));
+        cables.chain(surfaces).chain(beams)
     }
 }
 
@@ -359,6 +362,14 @@ impl Model {
                 for node in &cable.nodes[first..=first + 1] {
                     let slope = node.t as usize..node.t as usize + 3;
                     scale[slope].fill(size / length);
+                }
+            }
+        }
+        for beam in &self.map.beams {
+            for (e, &length) in beam.lengths.iter().enumerate() {
+                for node in [e, e + 1] {
+                    let slope = beam.offset(node, 1);
+                    scale[slope..slope + 3].fill(size / length);
                 }
             }
         }

@@ -8,7 +8,7 @@ use crate::signal::Moment;
 use crate::vector::vector;
 use crate::winch::Wound;
 use pliant_elements::materials::Regime;
-use pliant_elements::{CableBlock, Motion, Strain};
+use pliant_elements::{Block, CableBlock, Motion, Strain};
 
 impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
@@ -158,6 +158,31 @@ impl Model {
             }
         }
         sum
+    }
+
+    /// Appends axial strain, shear along y and z, twist and curvature about y and z [1/m] of a beam and its axial force
+    /// [N], in the middle of each element, seven numbers each.
+    pub fn beam_strain(&self, beam: usize, q: &[f64], out: &mut Vec<f64>) {
+        let block = &self.blocks.beams[beam].block;
+        for e in 0..block.element_count() {
+            let strain = block.strain(e, q);
+            out.push(strain.axial);
+            out.extend(strain.shear);
+            out.extend(strain.curvature);
+            out.push(block.axial_force(e, q));
+        }
+    }
+
+    /// Mass of a beam [kg].
+    #[must_use]
+    pub fn beam_mass(&self, beam: usize) -> f64 {
+        self.blocks.beams[beam].block.mass()
+    }
+
+    /// First moment of mass of a beam about the origin [kg m].
+    #[must_use]
+    pub fn beam_moment(&self, beam: usize, q: &[f64]) -> [f64; 3] {
+        self.blocks.beams[beam].block.first_moment(q)
     }
 
     /// Force [N] and moment [N m] that a joint exerts on its first point; `switch` is what it engaged by, if it has.

@@ -3,7 +3,10 @@
 //! Points, curves and sections of the user's model have become nodes, elements and stiffness at quadrature points;
 //! names stay, for messages. Large arrays travel beside the document: `{"array": k}` points at number k.
 
+mod beam;
+
 use crate::probes::spec::ProbeContactSpec;
+pub use beam::{BeamSpec, LockingSpec};
 use serde::{Deserialize, Serialize};
 
 /// The version of the document that this crate reads and writes.
@@ -20,6 +23,10 @@ pub enum Array {
     },
     /// The numbers themselves.
     Inline(Vec<f64>),
+}
+
+pub(crate) fn default_array() -> Array {
+    Array::Inline(Vec::new())
 }
 
 /// A model.
@@ -39,6 +46,9 @@ pub struct ModelSpec {
     /// Shells and membranes.
     #[serde(default)]
     pub surfaces: Vec<SurfaceSpec>,
+    /// Beams.
+    #[serde(default)]
+    pub beams: Vec<BeamSpec>,
     /// Rigid bodies.
     #[serde(default)]
     pub rigid_bodies: Vec<RigidBodySpec>,
@@ -468,6 +478,17 @@ pub enum PointSpec {
         /// Place in the face: in the unit square, or the weights of the second and third corner.
         at: [f64; 2],
     },
+    /// Point of a beam.
+    Beam {
+        /// Number of the beam.
+        beam: usize,
+        /// Number of the element.
+        element: usize,
+        /// Place in the element, 0 to 1.
+        xi: f64,
+        /// Distance from the centre line along the section's y and z [m].
+        offset: [f64; 2],
+    },
     /// Point of a rigid body.
     Rigid {
         /// Number of the body.
@@ -513,7 +534,7 @@ pub enum JointSpec {
         b: PointSpec,
     },
     /// A point of a cable keeps its position and the direction of its tangent (5 equations; the stretch is free), a
-    /// rigid body its place (6).
+    /// rigid body or the section of a beam its place (6).
     Clamp {
         /// Name.
         name: String,
@@ -775,7 +796,7 @@ pub enum LoadSpec {
         /// Turns with the tangent, in the plane of the starting tangent and the starting force, or with the body.
         follower: bool,
     },
-    /// A moment at a point of a cable or on a rigid body [N m].
+    /// A moment at a point of a cable or of a beam, or on a rigid body [N m].
     Moment {
         /// Name.
         name: String,
@@ -829,6 +850,15 @@ pub enum LoadSpec {
         value: Signal,
         /// Arc length of the stress-free line, one component [m].
         position: Signal,
+    },
+    /// A force per stress-free length on the centre line of a beam [N/m].
+    BeamLine {
+        /// Name.
+        name: String,
+        /// Number of the beam.
+        beam: usize,
+        /// Three components.
+        value: Signal,
     },
     /// A force per stress-free length on all of a cable [N/m].
     Line {

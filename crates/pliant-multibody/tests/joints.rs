@@ -8,8 +8,9 @@ use pliant_multibody::point::{Interpolation, Support};
 use pliant_multibody::signal::Moment;
 use pliant_multibody::spec::{JointSpec, PointSpec};
 
-/// Two rigid bodies (12 coordinates each) and a node of a line (6).
-const UNKNOWNS: usize = 30;
+/// Two rigid bodies (12 coordinates each), a node of a line (6) and the gradients of a section (6). Another section lies
+/// in the axes of the second body.
+const UNKNOWNS: usize = 36;
 
 /// Numbers between -1 and 1.
 fn noise(seed: usize) -> Vec<f64> {
@@ -23,7 +24,9 @@ fn start() -> Vec<f64> {
         let turn = nalgebra::Rotation3::from_euler_angles(q[0], q[1] * first as f64, 0.3);
         q[first..first + 9].copy_from_slice(turn.matrix().as_slice());
     }
-    q[27..].copy_from_slice(&[0.0, 1.1, 0.0]);
+    q[27..30].copy_from_slice(&[0.0, 1.1, 0.0]);
+    let turn = nalgebra::Rotation3::from_euler_angles(0.4, -1.0, 0.7);
+    q[30..].copy_from_slice(&turn.matrix().as_slice()[..6]);
     q
 }
 
@@ -76,6 +79,8 @@ fn joints() -> Vec<(String, Box<dyn Joint>)> {
             ("body", body(0, [0.3, -0.2, 0.5])),
             ("other body", body(12, [-0.1, 0.4, 0.2])),
             ("line", (vector_at(24), Frame::Line(vector_at(27)))),
+            ("section", (vector_at(24), Frame::Section([30, 33].map(vector_at)))),
+            ("other section", (vector_at(12), Frame::Section([15, 18].map(vector_at)))),
             ("point", (vector_at(24), Frame::Point)),
             ("world", (Interpolation::fixed([0.2, 0.1, -0.4]), Frame::World)),
         ]
@@ -114,10 +119,10 @@ fn close(a: &[f64], b: &[f64], tolerance: f64, what: &str) {
 #[test]
 fn derivatives_agree_with_finite_differences() {
     let all = joints();
-    // Every file of the folder is in the loop; three hold what the joints share, three have tests of their own, and
+    // Every file of the folder is in the loop; four hold what the joints share, three have tests of their own, and
     // `hold`, which needs the nodes of a surface, is made of the same products, linear ones.
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/joints");
-    let files = std::fs::read_dir(folder).unwrap().count() - 7;
+    let files = std::fs::read_dir(folder).unwrap().count() - 8;
     let mut kinds: Vec<_> =
         all.iter().map(|(n, _)| n.split(' ').next().unwrap().to_owned()).collect();
     kinds.dedup();
@@ -138,22 +143,31 @@ fn derivatives_agree_with_finite_differences() {
         let times = |matrix: &[f64], v: &[f64]| -> Vec<f64> {
             matrix.chunks(v.len()).map(|r| r.iter().zip(v).map(|(r, v)| r * v).sum()).collect()
         };
-        // Quadratic constraints: central differences are exact but for rounding.
-        let h = 1e-3;
-        let difference = |plus: &[f64], minus: &[f64], by: f64| -> Vec<f64> {
-            plus.iter().zip(minus).map(|(p, m)| (p - m) / by).collect()
+        // Polynomials up to degree four: these differences are exact but for rounding.
+        let h = 0.1;
+        let combined = |f: &dyn Fn(&[f64]) -> Vec<f64>, weights: [f64; 2]| -> Vec<f64> {
+            let at = |k: f64| f(&moved(&q, &v, k * h));
+            let points = [at(1.0), at(-1.0), at(2.0), at(-2.0)];
+            let sum = |i: usize| {
+                weights[0] * (points[0][i] - points[1][i])
+                    + weights[1] * (points[2][i] - points[3][i])
+            };
+            (0..points[0].len()).map(sum).collect()
         };
-        let slope = difference(&phi(&moved(&q, &v, h)), &phi(&moved(&q, &v, -h)), 2.0 * h);
+        let first = [8.0 / (12.0 * h), -1.0 / (12.0 * h)];
+        let slope = combined(&phi, first);
         close(&times(&jacobian(&q), &v), &slope, 1e-10, &format!("{name}: Jacobian"));
         // (phi_q v)_q v
-        let turn = difference(&jacobian(&moved(&q, &v, h)), &jacobian(&moved(&q, &v, -h)), 2.0 * h);
+        let turn = combined(&jacobian, first);
         let mut out = vec![0.0; m];
         joint.acceleration(Moment::at(0.0), &q, &v, &mut out);
         close(&out, &times(&turn, &v), 1e-10, &format!("{name}: acceleration"));
-        // 3 (phi_q v)_q a
+        // 3 (phi_q v)_q a + phi_qqq(v, v, v)
+        let third = combined(&phi, [-1.0 / h.powi(3), 0.5 / h.powi(3)]);
         joint.jerk(Moment::at(0.0), &q, &v, &a, &mut out);
-        let expected: Vec<f64> = times(&turn, &a).iter().map(|x| 3.0 * x).collect();
-        close(&out, &expected, 1e-10, &format!("{name}: jerk"));
+        let expected: Vec<f64> =
+            times(&turn, &a).iter().zip(&third).map(|(x, y)| 3.0 * x + y).collect();
+        close(&out, &expected, 1e-9, &format!("{name}: jerk"));
         // (phi_q^T lambda_)_q v
         let lambda_: Vec<f64> = noise(5)[..m].to_vec();
         let mut hessian = vec![0.0; UNKNOWNS * UNKNOWNS];
@@ -206,5 +220,55 @@ fn action_equals_reaction() {
         close(moment.as_slice(), &reaction.1, 1e-12, &format!("{name}: moment"));
         close((-other_force).as_slice(), &reaction.0, 1e-12, &format!("{name}: force on b"));
         close((-other_moment).as_slice(), &reaction.1, 1e-12, &format!("{name}: moment on b"));
+    }
+}
+
+/// The same for sections of beams, whose gradients are not orthonormal; a torque about the normal does not shear them.
+#[test]
+fn sections_are_in_balance_and_torques_do_not_shear_them() {
+    let mut q = start();
+    for k in 0..3 {
+        q[12 + k] = q[24 + k];
+    }
+    for (name, joint) in joints() {
+        if !name.contains("of section and other section") || name.contains("Distance") {
+            continue;
+        }
+        let m = joint.equations();
+        let lambda_ = noise(6)[..m].to_vec();
+        let strained: Vec<f64> =
+            (0..UNKNOWNS).map(|i| q[i] + if i >= 30 { 0.1 * noise(8)[i] } else { 0.0 }).collect();
+        for x in [&q, &strained] {
+            let mut jacobian = vec![0.0; m * UNKNOWNS];
+            joint.jacobian(Moment::at(0.0), x, &mut jacobian);
+            let force = |at: usize| {
+                Vector3::from_fn(|k, _| {
+                    -(0..m).map(|i| lambda_[i] * jacobian[i * UNKNOWNS + at + k]).sum::<f64>()
+                })
+            };
+            let place = |at: usize| Vector3::from_column_slice(&x[at..at + 3]);
+            let moment = |gradients: [usize; 2]| -> Vector3<f64> {
+                gradients.map(|at| place(at).cross(&force(at))).iter().sum()
+            };
+            let reaction = joint.reaction(Moment::at(0.0), x, &lambda_);
+            close(force(24).as_slice(), &reaction.0, 1e-12, &format!("{name}: force"));
+            close((-force(12)).as_slice(), &reaction.0, 1e-12, &format!("{name}: force on b"));
+            let on_a = moment([30, 33]);
+            close(on_a.as_slice(), &reaction.1, 1e-12, &format!("{name}: moment"));
+            let on_b = -moment([15, 18]);
+            close(on_b.as_slice(), &reaction.1, 1e-12, &format!("{name}: moment on b"));
+        }
+        if name.contains("Weld") {
+            // Shear of the section in its plane, y.dz + z.dy, takes no work.
+            let mut jacobian = vec![0.0; m * UNKNOWNS];
+            joint.jacobian(Moment::at(0.0), &q, &mut jacobian);
+            for (y, z) in [(30, 33), (15, 18)] {
+                for row in jacobian.chunks(UNKNOWNS) {
+                    let work: f64 =
+                        (0..3).map(|k| row[y + k] * q[z + k] + row[z + k] * q[y + k]).sum();
+                    assert!(work.abs() < 1e-12, "{name}: {work}");
+                }
+            }
+        }
     }
 }

@@ -111,6 +111,12 @@ impl PySystem {
         Ok(found.faces.len())
     }
 
+    /// Number of elements of a beam.
+    fn beam_elements(&self, beam: usize) -> PyResult<usize> {
+        let map = self.model.map().beam(beam, "beam");
+        Ok(map.map_err(|error| PyModelError::new_err(error.to_string()))?.elements())
+    }
+
     fn check_joint(&self, joint: usize) -> PyResult<()> {
         let count = self.model.joint_multipliers().len();
         if joint < count {
@@ -233,6 +239,14 @@ impl PySystem {
         let surfaces = &self.model.map().surfaces;
         let flat = surfaces.iter().flat_map(|s| [s.first, s.nodes, s.vectors]).map(|x| x as i64);
         PyArray1::from_iter(py, flat).reshape([surfaces.len(), 3])
+    }
+
+    /// First coordinate of each beam and its nodes.
+    fn beam_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        use numpy::PyArrayMethods;
+        let beams = &self.model.map().beams;
+        let flat = beams.iter().flat_map(|b| [b.first, b.nodes()]).map(|x| x as i64);
+        PyArray1::from_iter(py, flat).reshape([beams.len(), 2])
     }
 
     fn joint_offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
@@ -470,6 +484,35 @@ impl PySystem {
         let curvature =
             self.each(py, &q, &outputs, |w, q, out| self.model.curvature(cable, w, q, out));
         Ok((table(py, axial, elements)?, vectors(py, curvature, elements)?))
+    }
+
+    fn beam_strain<'py>(
+        &self,
+        py: Python<'py>,
+        beam: usize,
+        q: Rows<'py>,
+    ) -> PyResult<Bound<'py, numpy::PyArray3<f64>>> {
+        use numpy::PyArrayMethods;
+        let elements = self.beam_elements(beam)?;
+        let q = self.states(&q)?;
+        let rows = self.each_state(py, &q, |q, out| self.model.beam_strain(beam, q, out));
+        let n = rows.len() / (7 * elements);
+        PyArray1::from_vec(py, rows).reshape([n, elements, 7])
+    }
+
+    fn beam_center<'py>(&self, py: Python<'py>, beam: usize, q: Rows<'py>) -> PyResult<Table<'py>> {
+        self.beam_elements(beam)?;
+        let q = self.states(&q)?;
+        let mass = self.model.beam_mass(beam);
+        let rows = self.each_state(py, &q, |q, out| {
+            out.extend(self.model.beam_moment(beam, q).map(|m| m / mass));
+        });
+        table(py, rows, 3)
+    }
+
+    fn beam_mass(&self, beam: usize) -> PyResult<f64> {
+        self.beam_elements(beam)?;
+        Ok(self.model.beam_mass(beam))
     }
 
     fn surface_strain<'py>(

@@ -1,5 +1,6 @@
 //! The registry of element kinds.
 
+pub(crate) mod beam;
 mod bicubic;
 pub mod cable;
 mod cylindrical;
@@ -25,6 +26,11 @@ pub const KINDS: &[Kind] = &[
         name: "cable",
         coordinates: 12,
         summary: "Gradient-deficient ANCF cable: stretching and bending, no torsion",
+    },
+    Kind {
+        name: "beam",
+        coordinates: 24,
+        summary: "Fully parameterised ANCF beam: stretches, shears, bends and twists, sections deform",
     },
     Kind {
         name: "bicubic",

@@ -1,4 +1,5 @@
 //! Integrals that are computed once, when a block is built.
 
+pub(crate) mod beam;
 pub(crate) mod cable;
 pub(crate) mod surface;

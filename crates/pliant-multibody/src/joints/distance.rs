@@ -9,7 +9,10 @@ use super::side::{Side, gap};
 /// Two points stay `length` apart.
 #[must_use]
 pub fn distance(a: &Side<'_>, b: &Side<'_>, length: f64) -> Products {
-    let equation =
-        Product { u: gap(a, b), w: gap(a, b), factor: 0.5 / length, constant: 0.5 * length };
+    let equation = Product {
+        factor: 0.5 / length,
+        constant: 0.5 * length,
+        ..Product::orthogonal(gap(a, b), gap(a, b))
+    };
     Products::new(vec![equation], None)
 }

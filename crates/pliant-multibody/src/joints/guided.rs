@@ -1,14 +1,15 @@
 //! Drives of a point: it follows a path, `phi = r - u(t)` (3 equations); the tangent t of a line there a direction,
-//! `phi = t.n_k(t)` (2); the axes of a rigid body there an orientation, `phi = a_i.b_j(t)` (3).
+//! `phi = t.n_k(t)` (2); the axes of a rigid body there an orientation, `phi = a_i.b_j(t)` (3), or the section of a beam,
+//! `phi = (y.b_1, z.b_1, y.b_3 - z.b_2)` (3).
 //!
-//! Every equation is `phi = u.w(t) - c(t)`, u affine in the coordinates: Jacobian `w du/dq`, Hessian zero,
+//! Every equation is a sum of `phi = u.w(t) - c(t)`, u affine in the coordinates: Jacobian `w du/dq`, Hessian zero,
 //! `phi_t = u.w' - c'`, second derivative without accelerations `2 u'.w' + u.w'' - c''`, third at zero jerk
 //! `3 u''.w' + 3 u'.w'' + u.w''' - c'''`.
 //!
 //! The normals n_k are carried along with the direction from step to step on the shortest way, so that it may turn as
 //! far as it likes. Minus the multipliers are the force on the point and on what turns there.
 
-use super::product::Arm;
+use super::arm::{Arm, Role};
 use super::side::{Frame, Side, gap};
 use super::{Draft, Joint};
 use crate::error::ModelError;
@@ -28,6 +29,19 @@ enum Equation {
     Normal { t: Arm, number: usize },
     /// An axis of the body along axis j of the orientation.
     Axis { a: Arm, j: usize },
+    /// The gradients of a section against its second and third axis, `y.b_3 - z.b_2`.
+    Spin { y: Arm, z: Arm },
+}
+
+impl Equation {
+    fn arms(&mut self) -> Vec<&mut Arm> {
+        match self {
+            Self::Place { r: u, .. } | Self::Normal { t: u, .. } | Self::Axis { a: u, .. } => {
+                vec![u]
+            }
+            Self::Spin { y, z } => vec![y, z],
+        }
+    }
 }
 
 /// What a point is driven to, each where it is driven.
@@ -71,16 +85,25 @@ pub fn guided(
         let Frame::Line(t) = &a.frame else {
             return Err(refuse("only a cable has a direction that can be driven"));
         };
-        let tangent = || Arm { value: t.clone(), role: super::product::Role::OfFirst };
+        let tangent = || Arm::new(t.clone(), Role::OfFirst);
         equations.extend([0, 1].map(|number| Equation::Normal { t: tangent(), number }));
         course.direction = Some(value(signal)?);
     }
     if let Some(signals) = orientation {
-        let Frame::Body(e) = &a.frame else {
-            return Err(refuse("only a rigid body has an orientation that can be driven"));
-        };
-        let axis = |i: usize| Arm { value: e[i].clone(), role: super::product::Role::OfFirst };
-        equations.extend((0..3).map(|i| Equation::Axis { a: axis(i), j: (i + 1) % 3 }));
+        let arm = |x: &Interpolation| Arm::new(x.clone(), Role::OfFirst);
+        match &a.frame {
+            Frame::Body(e) => {
+                equations.extend((0..3).map(|i| Equation::Axis { a: arm(&e[i]), j: (i + 1) % 3 }))
+            }
+            Frame::Section([y, z]) => {
+                equations.extend([y, z].map(|x| Equation::Axis { a: arm(x), j: 0 }));
+                equations.push(Equation::Spin { y: arm(y), z: arm(z) });
+            }
+            _ => {
+                let reason = "only a rigid body or a beam has an orientation that can be driven";
+                return Err(refuse(reason));
+            }
+        }
         let [x, y, z] = signals;
         course.orientation = Some([value(x)?, value(y)?, value(z)?]);
     }
@@ -108,7 +131,7 @@ impl Guided {
         Some([d, carry(n1), carry(n2)])
     }
 
-    /// Calls `work` with each equation's number, its vector u, and w(t) and c(t).
+    /// Calls `work` with each term's equation, its vector u, and w(t) and c(t).
     fn each(&self, now: Moment<'_>, mut work: impl FnMut(usize, &Arm, &VectorJet, [f64; 4])) {
         let position = self.course.position.as_ref().map(|p| vectors(p, Self::plain(now)));
         let triad = self.triad(now);
@@ -124,17 +147,13 @@ impl Guided {
                     work(i, t, &triad[1 + number], [0.0; 4]);
                 }
                 (Equation::Axis { a, j }, _, _, Some(axes)) => work(i, a, &axes[*j], [0.0; 4]),
+                (Equation::Spin { y, z }, _, _, Some([_, b_2, b_3])) => {
+                    work(i, y, b_3, [0.0; 4]);
+                    work(i, z, &b_2.map(|b| -b), [0.0; 4]);
+                }
                 _ => {}
             }
         }
-    }
-
-    fn arms(&self) -> impl Iterator<Item = &Arm> {
-        self.equations.iter().map(|equation| match equation {
-            Equation::Place { r: u, .. }
-            | Equation::Normal { t: u, .. }
-            | Equation::Axis { a: u, .. } => u,
-        })
     }
 }
 
@@ -144,15 +163,20 @@ impl Draft for Guided {
     }
 
     fn interpolations(&self) -> Vec<&Interpolation> {
-        self.arms().map(|arm| &arm.value).collect()
+        let arms = self.equations.iter().flat_map(|equation| match equation {
+            Equation::Place { r: u, .. }
+            | Equation::Normal { t: u, .. }
+            | Equation::Axis { a: u, .. } => vec![u],
+            Equation::Spin { y, z } => vec![y, z],
+        });
+        arms.flat_map(Arm::interpolations).collect()
     }
 
     fn placed(mut self: Box<Self>, support: Support) -> Box<dyn Joint> {
         for equation in &mut self.equations {
-            let (Equation::Place { r: u, .. }
-            | Equation::Normal { t: u, .. }
-            | Equation::Axis { a: u, .. }) = equation;
-            u.value = support.localize(&u.value);
+            for arm in equation.arms() {
+                *arm = arm.placed(&support);
+            }
         }
         self.support = support;
         self
@@ -175,31 +199,35 @@ impl Joint for Guided {
     }
 
     fn residual(&self, now: Moment<'_>, x: &[f64], phi: &mut [f64]) {
-        self.each(now, |i, u, w, c| phi[i] = u.at(x).dot(&w[0]) - c[0]);
+        phi.fill(0.0);
+        self.each(now, |i, u, w, c| phi[i] += u.at(x).dot(&w[0]) - c[0]);
     }
 
     fn jacobian(&self, now: Moment<'_>, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let n = x.len();
         self.each(now, |i, u, w, _| {
-            u.value.add_force(w[0].into(), &mut out[i * n..(i + 1) * n]);
+            u.add_force(x, w[0], &mut out[i * n..(i + 1) * n]);
         });
     }
 
     fn rate(&self, now: Moment<'_>, x: &[f64], out: &mut [f64]) {
-        self.each(now, |i, u, w, c| out[i] = u.at(x).dot(&w[1]) - c[1]);
+        out.fill(0.0);
+        self.each(now, |i, u, w, c| out[i] += u.at(x).dot(&w[1]) - c[1]);
     }
 
     fn acceleration(&self, now: Moment<'_>, x: &[f64], v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
         self.each(now, |i, u, w, c| {
-            out[i] = 2.0 * u.rate(v).dot(&w[1]) + u.at(x).dot(&w[2]) - c[2];
+            out[i] += 2.0 * u.rate(x, v).dot(&w[1]) + u.at(x).dot(&w[2]) - c[2];
         });
     }
 
     fn jerk(&self, now: Moment<'_>, x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
         self.each(now, |i, u, w, c| {
-            let mixed = u.rate(a).dot(&w[1]) + u.rate(v).dot(&w[2]);
-            out[i] = 3.0 * mixed + u.at(x).dot(&w[3]) - c[3];
+            let mixed = u.rate(x, a).dot(&w[1]) + u.rate(x, v).dot(&w[2]);
+            out[i] += 3.0 * mixed + u.at(x).dot(&w[3]) - c[3];
         });
     }
 
@@ -207,7 +235,7 @@ impl Joint for Guided {
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         self.each(now, |i, u, w, _| {
             let f = w[0] * -lambda_[i];
-            if u.role == super::product::Role::Gap {
+            if u.role == Role::Gap {
                 force += f;
             } else {
                 moment += u.at(x).cross(&f);

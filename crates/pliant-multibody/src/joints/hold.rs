@@ -4,7 +4,8 @@
 //! Clamped edges, symmetry planes and welds of edges are made of it, node by node. Minus the multipliers are forces on
 //! the nodal vectors along the directions: those on positions add up to the reaction, those on slopes are moments.
 
-use super::product::{Arm, Product, Products, Role};
+use super::arm::{Arm, Role};
+use super::product::{Product, Products};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::point::Interpolation;
@@ -56,7 +57,7 @@ pub(crate) fn hold(joint: &JointSpec, map: &DofMap, q: &[f64]) -> Result<Product
             (false, None) => Role::OfFirst,
             _ => Role::Other,
         };
-        products.push(Product::orthogonal(Arm { value, role }, Arm::fixed(direction.into())));
+        products.push(Product::orthogonal(Arm::new(value, role), Arm::fixed(direction.into())));
     }
     Ok(Products::new(products, None))
 }

@@ -1,5 +1,6 @@
 //! Joints: constraints `phi(q, t) = 0` between material points. One file a joint; this is their registry.
 
+pub mod arm;
 pub mod clamp;
 pub mod coupled;
 pub mod cylindrical;
@@ -23,23 +24,27 @@ use crate::signal::Moment;
 use crate::spec::JointSpec;
 use nalgebra::Vector3;
 use product::Products;
-use side::Side;
+use side::{Side, unsheared};
 
 /// The joint of a document between its sides; none where a side has no direction that the joint needs.
 #[must_use]
 pub fn of_spec(joint: &JointSpec, a: &Side<'_>, b: &Side<'_>) -> Option<Products> {
     let unit = |axis: &[f64; 3]| Vector3::from(*axis).try_normalize(0.0);
+    // Along single directions.
+    let held = |joint: Products| joint.with([a, b].into_iter().filter_map(unsheared));
     match joint {
         // Between nodes, not points: see `hold`.
         JointSpec::Hold { .. } => None,
         JointSpec::Pin { .. } => Some(pin::pin(a, b)),
         JointSpec::Clamp { direction, .. } => clamp::clamp(a, b, direction.map(Vector3::from)),
         JointSpec::Weld { .. } => weld::weld(a, b),
-        JointSpec::Hinge { axis, .. } => hinge::hinge(a, b, unit(axis)?),
+        JointSpec::Hinge { axis, .. } => hinge::hinge(a, b, unit(axis)?).map(held),
         JointSpec::Slider { axis, .. } => slider::slider(a, b, unit(axis)?),
-        JointSpec::Cylindrical { axis, .. } => cylindrical::cylindrical(a, b, unit(axis)?),
+        JointSpec::Cylindrical { axis, .. } => {
+            cylindrical::cylindrical(a, b, unit(axis)?).map(held)
+        }
         JointSpec::Universal { axis_a, axis_b, .. } => {
-            universal::universal(a, b, unit(axis_a)?, unit(axis_b)?)
+            universal::universal(a, b, unit(axis_a)?, unit(axis_b)?).map(held)
         }
         JointSpec::SlideLine { axis, .. } => slide_line::slide_line(a, b, unit(axis)?),
         JointSpec::SlideCable { .. } => None,

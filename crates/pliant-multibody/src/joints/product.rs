@@ -1,51 +1,15 @@
-//! The form that the joints share: every equation is `phi = factor u.w - constant`, u and w affine in the coordinates.
+//! The form that the joints share: every equation is `phi = sum factor u.w - constant`, u and w vectors of
+//! [`super::arm`], one product in the sum or two.
 //!
-//! A linear equation has a constant w. The Jacobian is `factor (w du/dq + u dw/dq)`; the Hessian
-//! `factor (du/dq^T dw/dq + dw/dq^T du/dq)` is constant. With it `phi_qq(v, v) = 2 factor u'.w'`, and the third
-//! derivative at zero jerk is `3 factor (u''.w' + u'.w'')`.
+//! A linear equation has a constant w. The Jacobian is `factor (w du/dq + u dw/dq)`; of affine vectors the Hessian
+//! `factor (du/dq^T dw/dq + dw/dq^T du/dq)` is constant.
 
+use super::arm::{self, Arm, Role};
 use super::{Draft, Joint};
-use crate::freedom::{Freedom, add_product_hessian};
+use crate::freedom::Freedom;
 use crate::point::{Interpolation, Support};
 use crate::signal::Moment;
-use crate::vector::vector;
 use nalgebra::Vector3;
-
-/// How a vector of a joint moves with the joint's first body: what the reaction is read from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// From the second point to the first.
-    Gap,
-    /// Turns with the first body.
-    OfFirst,
-    /// Does neither.
-    Other,
-}
-
-/// A vector of a joint.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Arm {
-    /// Its value.
-    pub value: Interpolation,
-    /// How it moves.
-    pub role: Role,
-}
-
-impl Arm {
-    /// A vector fixed in the world.
-    #[must_use]
-    pub fn fixed(value: [f64; 3]) -> Self {
-        Self { value: Interpolation::fixed(value), role: Role::Other }
-    }
-
-    pub(crate) fn at(&self, x: &[f64]) -> Vector3<f64> {
-        vector(self.value.at(x))
-    }
-
-    pub(crate) fn rate(&self, v: &[f64]) -> Vector3<f64> {
-        vector(self.value.rate(v))
-    }
-}
 
 /// One equation, `factor u.w - constant`.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,15 +20,39 @@ pub struct Product {
     pub w: Arm,
     /// Factor of their product.
     pub factor: f64,
-    /// What the product must be.
+    /// What the sum must be.
     pub constant: f64,
+    /// Another product of the sum.
+    pub and: Option<Box<Product>>,
 }
 
 impl Product {
     /// `u.w = 0`.
     #[must_use]
     pub fn orthogonal(u: Arm, w: Arm) -> Self {
-        Self { u, w, factor: 1.0, constant: 0.0 }
+        Self { u, w, factor: 1.0, constant: 0.0, and: None }
+    }
+
+    /// `u.w = s.t`
+    #[must_use]
+    pub fn equal([u, w]: [Arm; 2], [s, t]: [Arm; 2]) -> Self {
+        let other = Self { factor: -1.0, ..Self::orthogonal(s, t) };
+        Self { and: Some(Box::new(other)), ..Self::orthogonal(u, w) }
+    }
+
+    /// The products of the sum.
+    fn terms(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(self.and.as_deref())
+    }
+
+    fn placed(self, support: &Support) -> Self {
+        let and = self.and.map(|other| Box::new(other.placed(support)));
+        Self { u: self.u.placed(support), w: self.w.placed(support), and, ..self }
+    }
+
+    /// Sum of what each product gives.
+    fn sum(&self, each: impl Fn(&Self) -> f64) -> f64 {
+        self.terms().map(|p| p.factor * each(p)).sum()
     }
 }
 
@@ -82,16 +70,20 @@ impl Products {
     pub fn new(equations: Vec<Product>, freedom: Option<Freedom>) -> Self {
         Self { equations, freedom, support: Support::default() }
     }
+
+    /// The same joint with further equations.
+    #[must_use]
+    pub fn with(mut self, more: impl IntoIterator<Item = Product>) -> Self {
+        self.equations.extend(more);
+        self
+    }
 }
 
 impl Products {
     /// The same joint over the coordinates of `support`.
     #[must_use]
     pub fn over(mut self, support: Support) -> Self {
-        for p in &mut self.equations {
-            p.u.value = support.localize(&p.u.value);
-            p.w.value = support.localize(&p.w.value);
-        }
+        self.equations = self.equations.into_iter().map(|p| p.placed(&support)).collect();
         self.freedom = self.freedom.map(|y| y.placed(&support));
         self.support = support;
         self
@@ -104,7 +96,8 @@ impl Draft for Products {
     }
 
     fn interpolations(&self) -> Vec<&Interpolation> {
-        self.equations.iter().flat_map(|p| [&p.u.value, &p.w.value]).collect()
+        let arms = self.equations.iter().flat_map(Product::terms).flat_map(|p| [&p.u, &p.w]);
+        arms.flat_map(Arm::interpolations).collect()
     }
 
     fn freedom(&self) -> Option<&Freedom> {
@@ -133,15 +126,16 @@ impl Joint for Products {
 
     fn residual(&self, _now: Moment<'_>, x: &[f64], phi: &mut [f64]) {
         for (phi, p) in phi.iter_mut().zip(&self.equations) {
-            *phi = p.factor * p.u.at(x).dot(&p.w.at(x)) - p.constant;
+            *phi = p.sum(|p| p.u.at(x).dot(&p.w.at(x))) - p.constant;
         }
     }
 
     fn jacobian(&self, _now: Moment<'_>, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         for (row, p) in out.chunks_exact_mut(x.len()).zip(&self.equations) {
-            p.w.value.add_force((p.u.at(x) * p.factor).into(), row);
-            p.u.value.add_force((p.w.at(x) * p.factor).into(), row);
+            for p in p.terms() {
+                arm::add_gradient(&p.u, &p.w, x, p.factor, row);
+            }
         }
     }
 
@@ -154,20 +148,22 @@ impl Joint for Products {
         out: &mut [f64],
     ) {
         for (lambda_, p) in lambda_.iter().zip(&self.equations) {
-            add_product_hessian(&p.u, &p.w, x.len(), stiffness * lambda_ * p.factor, out);
+            for p in p.terms() {
+                arm::add_hessian(&p.u, &p.w, x, stiffness * lambda_ * p.factor, out);
+            }
         }
     }
 
-    fn acceleration(&self, _now: Moment<'_>, _x: &[f64], v: &[f64], out: &mut [f64]) {
+    fn acceleration(&self, _now: Moment<'_>, x: &[f64], v: &[f64], out: &mut [f64]) {
+        let rest = vec![0.0; v.len()];
         for (out, p) in out.iter_mut().zip(&self.equations) {
-            *out = 2.0 * p.factor * p.u.rate(v).dot(&p.w.rate(v));
+            *out = p.sum(|p| arm::motion(&p.u, &p.w, x, v, &rest)[2]);
         }
     }
 
-    fn jerk(&self, _now: Moment<'_>, _x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
+    fn jerk(&self, _now: Moment<'_>, x: &[f64], v: &[f64], a: &[f64], out: &mut [f64]) {
         for (out, p) in out.iter_mut().zip(&self.equations) {
-            let mixed = p.u.rate(a).dot(&p.w.rate(v)) + p.u.rate(v).dot(&p.w.rate(a));
-            *out = 3.0 * p.factor * mixed;
+            *out = p.sum(|p| arm::motion(&p.u, &p.w, x, v, a)[3]);
         }
     }
 
@@ -175,13 +171,15 @@ impl Joint for Products {
         // A vector u that turns with a body by d theta changes by d theta x u: a force f on it is the moment u x f.
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (lambda_, p) in lambda_.iter().zip(&self.equations) {
-            let (u, w) = (p.u.at(x), p.w.at(x));
-            for (arm, on, by) in [(&p.u, u, w), (&p.w, w, u)] {
-                let f = by * (-lambda_ * p.factor);
-                match arm.role {
-                    Role::Gap => force += f,
-                    Role::OfFirst => moment += on.cross(&f),
-                    Role::Other => {}
+            for p in p.terms() {
+                let (u, w) = (p.u.at(x), p.w.at(x));
+                for (arm, on, by) in [(&p.u, u, w), (&p.w, w, u)] {
+                    let f = by * (-lambda_ * p.factor);
+                    match arm.role {
+                        Role::Gap => force += f,
+                        Role::OfFirst => moment += on.cross(&f),
+                        Role::Other => {}
+                    }
                 }
             }
         }

@@ -1,9 +1,10 @@
 //! One side of a joint: its point, and the directions that turn with its body.
 
-use super::product::{Arm, Product, Role};
+use super::arm::{Arm, Role};
+use super::product::Product;
 use crate::point::Interpolation;
 use crate::vector::{normals, vector};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// What turns at a joint's point.
 #[derive(Clone, Debug)]
@@ -14,6 +15,8 @@ pub enum Frame {
     Body([Interpolation; 3]),
     /// The tangent of a line, which has no twist.
     Line(Interpolation),
+    /// The gradients r,y and r,z of a beam, which span its section.
+    Section([Interpolation; 2]),
     /// Two tangents of a shell, by stress-free arc length.
     Sheet([Interpolation; 2]),
     /// Nothing is known of directions: a point mass.
@@ -40,7 +43,15 @@ impl Side<'_> {
     /// Whether every direction is carried along.
     #[must_use]
     pub fn is_frame(&self) -> bool {
-        matches!(self.frame, Frame::World | Frame::Body(_))
+        matches!(self.frame, Frame::World | Frame::Body(_) | Frame::Section(_))
+    }
+
+    /// The axes of a section at the start: its normal and two across, as near to r,y and r,z as to each other.
+    fn section(&self) -> Option<[Vector3<f64>; 3]> {
+        match &self.frame {
+            Frame::Section([y, z]) => section_axes(vector(y.at(self.q)), vector(z.at(self.q))),
+            _ => None,
+        }
     }
 
     /// The direction of the tangent at the start, on lines.
@@ -54,7 +65,19 @@ impl Side<'_> {
     /// The unit vector that starts as `axis` and turns with the body; none where nothing here points that way.
     #[must_use]
     pub fn direction(&self, axis: Vector3<f64>) -> Option<Arm> {
+        let role = if self.first { Role::OfFirst } else { Role::Other };
         let value = match &self.frame {
+            Frame::Section([y, z]) => {
+                let (y_0, z_0) = (vector(y.at(self.q)), vector(z.at(self.q)));
+                let basis = Matrix3::from_columns(&[y_0.cross(&z_0), y_0, z_0]);
+                let along = basis.try_inverse()? * axis;
+                let part = |x: &Interpolation, c: f64| {
+                    x.terms.iter().map(move |&(o, w)| (o, w * c)).collect::<Vec<_>>()
+                };
+                let across = part(y, along[1]).into_iter().chain(part(z, along[2]));
+                let normal = (along[0], y.clone(), z.clone());
+                return Some(Arm::with_cross(Interpolation::weighted(across), normal, role));
+            }
             Frame::World => Interpolation::fixed(axis.into()),
             Frame::Body(e) => {
                 let components = e.iter().map(|e| (e, vector(e.at(self.q)).dot(&axis)));
@@ -89,14 +112,33 @@ impl Side<'_> {
             }
             Frame::Point => return None,
         };
-        Some(Arm { value, role: if self.first { Role::OfFirst } else { Role::Other } })
+        Some(Arm::new(value, role))
     }
+}
+
+/// Axes of the section that two gradients span: its normal and two orthonormal vectors in it, as near to the one as to
+/// the other.
+#[must_use]
+pub fn section_axes(y: Vector3<f64>, z: Vector3<f64>) -> Option<[Vector3<f64>; 3]> {
+    let normal = y.cross(&z).try_normalize(0.0)?;
+    let across = (y + z.cross(&normal)).try_normalize(0.0)?;
+    Some([normal, across, normal.cross(&across)])
+}
+
+/// The section of a beam keeps its angle in its plane, `y.z = y_0.z_0`: what joints hold by single directions need, for
+/// a torque that enters by one gradient alone would shear the section where it enters.
+#[must_use]
+pub fn unsheared(side: &Side<'_>) -> Option<Product> {
+    let Frame::Section([y, z]) = &side.frame else { return None };
+    let constant = vector(y.at(side.q)).dot(&vector(z.at(side.q)));
+    let arm = |x: &Interpolation| Arm::new(x.clone(), Role::Other);
+    Some(Product { constant, ..Product::orthogonal(arm(y), arm(z)) })
 }
 
 /// `r_a - r_b`.
 #[must_use]
 pub fn gap(a: &Side<'_>, b: &Side<'_>) -> Arm {
-    Arm { value: a.r.minus(&b.r), role: Role::Gap }
+    Arm::new(a.r.minus(&b.r), Role::Gap)
 }
 
 /// The points coincide: `(r_a - r_b).e_k = 0`, minus the multipliers are the force on a.
@@ -132,6 +174,8 @@ fn sheet_and_frame<'a, 'q>(
 
 /// The two turn together. Between frames `a_1.b_2 = a_2.b_3 = a_3.b_1 = 0`, the axes those of the world at the start;
 /// a line, which has no twist, keeps the direction of its tangent, a shell its normal and the direction of one tangent.
+/// The section of a beam, which may shear in its plane, turns by `y_a.n_b = z_a.n_b = 0` and `y_a.z_b = z_a.y_b`, which
+/// passes a torque without shear; between two sections all three equations are differences of that kind.
 #[must_use]
 pub fn locked(a: &Side<'_>, b: &Side<'_>) -> Option<Vec<Product>> {
     if let Some((sheet, frame, tangents)) = sheet_and_frame(a, b) {
@@ -146,6 +190,21 @@ pub fn locked(a: &Side<'_>, b: &Side<'_>) -> Option<Vec<Product>> {
     }
     if let Some(tangent) = a.tangent().or(b.tangent()) {
         return parallel(a, b, tangent);
+    }
+    if let Some(axes) = a.section().or(b.section()) {
+        let (section, other) = if a.section().is_some() { (a, b) } else { (b, a) };
+        let both = other.section().is_some();
+        let of = |side: &Side<'_>, i: usize| side.direction(axes[i]);
+        let equation = |(i, j, difference)| {
+            let first = [of(section, i)?, of(other, j)?];
+            Some(if difference {
+                Product::equal(first, [of(section, j)?, of(other, i)?])
+            } else {
+                let [u, w] = first;
+                Product::orthogonal(u, w)
+            })
+        };
+        return [(1, 0, both), (2, 0, both), (1, 2, true)].into_iter().map(equation).collect();
     }
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let equation = |i: usize| {

@@ -6,6 +6,7 @@ pub mod line;
 pub mod moment;
 pub mod moving;
 pub mod pressure;
+pub mod section;
 
 use crate::point::Support;
 use crate::signal::Moment;

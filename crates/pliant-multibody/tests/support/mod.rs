@@ -83,6 +83,7 @@ pub fn document(gravity: [f64; 3], cables: Vec<CableSpec>, joints: Vec<JointSpec
         shared_velocities: Array::Inline(Vec::new()),
         cables,
         surfaces: Vec::new(),
+        beams: Vec::new(),
         rigid_bodies: Vec::new(),
         masses: Vec::new(),
         joints,
