@@ -19,19 +19,30 @@ if TYPE_CHECKING:
 __all__ = ["EdgeEquations", "is_held"]
 
 SQUARE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=np.float64)
+SMOOTH = np.cos(np.radians(30.0))  # of the angle between sides of an edge that is smooth there
+IMPLIED = 0.05  # part of an equation that others leave, below which it follows from them
 Equation = tuple[FloatArray, FloatArray, FloatArray]  # weights at a, weights at b, direction
 
 
 def directions(body: SurfaceBody, edge: Edge) -> dict[int, list[FloatArray]]:
-    """Directions of the edge in the parameters (u, v) at each of its nodes, of unit length."""
+    """Directions of the edge in the parameters (u, v) at each of its nodes, of unit length.
+
+    Where it is smooth, sides that meet at a small angle have one direction, their mean; at a corner two.
+    """
     found: dict[int, list[FloatArray]] = defaultdict(list)
     for face, side in edge.sides:
         corners, chart = body.corners(face), body.chart(face)
         n = len(corners)
-        way = chart[(side + 1) % n] - chart[side]
-        way = way / np.linalg.norm(way)
+        step = chart[(side + 1) % n] - chart[side]
         for corner in (side, (side + 1) % n):
-            found[int(corners[corner])].append(way)
+            way = body.way(face, corner, step)
+            found[int(corners[corner])].append(way / np.linalg.norm(way))
+    for node, ways in found.items():
+        if len(ways) == 2:
+            first, second = ways
+            second = second if first @ second > 0 else -second
+            if first @ second > SMOOTH:
+                found[node] = [(first + second) / np.linalg.norm(first + second)]
     return found
 
 
@@ -106,7 +117,7 @@ class EdgeEquations:
         for known in self._known[key]:
             row = np.asarray(row - known * (known @ row), dtype=np.float64)
         left = float(np.linalg.norm(row))
-        if left < 1e-6:
+        if left < IMPLIED:
             return False
         known_row: FloatArray = np.asarray(row / left)
         self._known[key].append(known_row)
@@ -192,7 +203,11 @@ def is_held(model: Model, body: SurfaceBody, faces: tuple[int, ...]) -> bool:
             count[min(a, b), max(a, b)] += 1
     held: set[tuple[int, int]] = set()
     for joint in model._joints.values():
-        if isinstance(joint, EdgeJoint) and joint.edge.body == body.name and joint.kind != "weld":
+        if (
+            isinstance(joint, EdgeJoint)
+            and joint.edge.body == body.name
+            and joint.kind not in ("weld", "fold")
+        ):
             if joint.kind == "pin" and joint.axes:
                 continue
             nodes = joint.edge.nodes

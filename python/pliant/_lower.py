@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant._closure import Closure
 from pliant._edges import EdgeEquations, is_held
+from pliant._folds import Crease
 from pliant._lowered import BodyState, Input, Lowered, is_load, numbers_of, signals_of
 from pliant._sharing import Sharing
 from pliant._sides import document, is_of_lines
@@ -29,6 +30,7 @@ from pliant.joints import (
     DriveJoint,
     DrivePoint,
     EdgeJoint,
+    Fold,
     Gear,
     Hinge,
     JointData,
@@ -46,7 +48,7 @@ from pliant.points import Point, WorldPoint
 from pliant.signals import Function, Signal
 from pliant.signals import Input as HeldInput
 from pliant.surfaces import SurfaceBody
-from pliant.typing import Json
+from pliant.typing import FloatArray, Json
 
 if TYPE_CHECKING:
     from pliant.model import Model
@@ -249,6 +251,7 @@ class _Lowering(Sharing):
             "quad_sizes": self._array(body.quad_sizes),
             "triangles": self._array(body.triangles),
             "triangle_charts": self._array(body.triangle_charts),
+            "turns": self._array(body.turns),
             "thickness": self._array(body.thickness),
             "material": law,
             "density": body.density,
@@ -295,7 +298,10 @@ class _Lowering(Sharing):
         edges = EdgeEquations(self.model)
         for name, joint in self.model._joints.items():
             if isinstance(joint, EdgeJoint):
-                held = edges.of(joint, self.lowered.surfaces)
+                if isinstance(joint, Fold):
+                    held = self._crease(joint).documents(name, self.lowered.surfaces, self._meant(joint))
+                else:
+                    held = edges.of(joint, self.lowered.surfaces)
                 plan[name] = {
                     "kind": "nodes",
                     "indices": list(range(len(documents), len(documents) + len(held))),
@@ -303,6 +309,9 @@ class _Lowering(Sharing):
                     "equations": sum(len(document["equations"]) for document in held),
                 }
                 documents += held
+                if isinstance(joint, Fold) and joint.is_held:
+                    plan[name]["drives"] = list(range(len(documents), len(documents) + len(held)))
+                    documents += self._held_angles(joint)
                 continue
             if name in self.redundant:
                 plan[name] = {"kind": "redundant"}
@@ -338,6 +347,52 @@ class _Lowering(Sharing):
             fields.update(a=self._point(joint.a), b=self._point(b))
             documents.append({"kind": KINDS.get(type(joint), type(joint).__name__.lower()), **fields})
         plan.update(self._sides())
+        return documents
+
+    def _crease(self, joint: Fold) -> Crease:
+        assert joint.other is not None
+        return Crease(self.model, joint.edge, joint.other)
+
+    def _rest(self, joint: Fold) -> FloatArray:
+        """Angle of a fold without moment at each node, as far as it is constant."""
+        if joint.angle is None:
+            return self._crease(joint).angles(stress_free=True)
+        constant = float(joint.angle(0.0)[0]) if joint.angle.constant else 0.0
+        return np.full(len(joint.edge.nodes), constant)
+
+    def _meant(self, joint: Fold) -> FloatArray:
+        """Near which angle a fold starts, of those that differ by turns: between flat and its rest."""
+        if joint.angle is not None:
+            wanted = np.full(len(joint.edge.nodes), float(joint.angle(0.0)[0]))
+            return wanted if joint.is_held else 0.5 * wanted
+        return 0.5 * self._rest(joint)
+
+    def _held_angles(self, joint: Fold) -> list[Json]:
+        """Drives of the angles of a fold."""
+        assert joint.angle is not None
+        value = self._signal(joint.angle, joint.name)
+        return [
+            {"kind": "drive_joint", "name": joint.name, "joint": index, "value": value, "rate": False}
+            for index in self.lowered.plan[joint.name]["indices"]
+        ]
+
+    def _sprung_angles(self, joint: Fold) -> list[Json]:
+        """Springs and dampers of a fold at its nodes; a rest that moves is a drive: k (angle - theta)."""
+        value = None
+        if joint.angle is not None and not joint.angle.constant:
+            value = self._signal(joint.angle, joint.name)
+        documents: list[Json] = []
+        nodes = zip(
+            self.lowered.plan[joint.name]["indices"],
+            self._crease(joint).lengths.tolist(),
+            self._rest(joint).tolist(),
+            strict=True,
+        )
+        for index, length, rest in nodes:
+            k = joint.stiffness * length
+            drive = None if value is None else {"product": [{"constant": [k]}, value]}
+            along = {"stiffness": k, "damping": joint.damping * length, "rest": rest, "stops": None}
+            documents.append({"kind": "joint", "name": joint.name, "joint": index, **along, "drive": drive})
         return documents
 
     def _arc_length(self, joint: SlideCable) -> float:
@@ -439,6 +494,13 @@ class _Lowering(Sharing):
             documents.append({"kind": kind, **entries})
         for name, joint in self.model._joints.items():
             along: Json
+            if isinstance(joint, Fold):
+                if joint.stiffness or joint.damping:
+                    springs = self._sprung_angles(joint)
+                    numbers = range(len(documents), len(documents) + len(springs))
+                    self.lowered.plan[name]["springs"] = list(numbers)
+                    documents += springs
+                continue
             if isinstance(joint, Sprung) and joint.is_sprung:
                 along = {key: getattr(joint, key) for key in ("stiffness", "damping", "rest")}
                 along.update(joint=name, stops=stops(self.model, joint), drive=None)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from pliant import _check
+from pliant._folds import Crease
 from pliant._lookup import Lookup
 from pliant._lowered import BodyState
 from pliant.beams import BeamBody, section_axes
 from pliant.bodies import GAUSS_5, LineBody, element_masses, hermite
 from pliant.errors import translated
-from pliant.joints import DriveForce, DriveJoint, Gear, Hinge
+from pliant.joints import DriveForce, DriveJoint, Fold, Gear, Hinge
 from pliant.points import Handle, Joint, Point, PointMass, RigidBody
 from pliant.readings import Energy, JointMotion, Track
 from pliant.records import State, by_blocks
@@ -65,22 +67,26 @@ class Motion(Lookup):
         return Track(position, velocity, acceleration, axes)
 
     def joint(self, joint: Joint) -> JointMotion:
-        """Motion of a joint along its freedom: the angle of a hinge, the way of a slider.
+        """Motion of a joint along its freedom: the angle of a hinge or fold, the way of a slider.
 
         Parameters
         ----------
         joint : Joint
-            Handle that ``hinge`` or ``slider`` returned.
+            Handle that ``hinge``, ``slider`` or ``fold`` returned.
 
         Returns
         -------
         JointMotion
             ``position`` (zero at the model's start, or where the joint engaged) and ``velocity`` of the first
             body against the second, and the ``force`` that spring, damper, stops, drives and gears exert
-            along it, each (n,).
+            along it, each (n,). Of a fold the mean angle along the crease, 0 where flat, and the moment of
+            all of it.
         """
         plan = self._plan_of(joint)
         records = self._records
+        data = self.model._joints[joint.name]
+        if isinstance(data, Fold):
+            return self._fold(data, plan)
         motion = None
         if plan["kind"] == "multiplier":
             column = int(self._system.joint_outputs()[plan["index"], 1])
@@ -101,10 +107,29 @@ class Motion(Lookup):
             _check.fail(
                 "joint",
                 joint,
-                "must be a hinge, a slider or a point that slides along a path: its freedom is one number",
+                "must be a hinge, a slider, a fold or a point that slides along a path: one number is free",
             )
         position, velocity = np.ascontiguousarray(motion.T)
         return JointMotion(position, velocity, self._along(joint.name))
+
+    def _fold(self, joint: Fold, plan: dict[str, Any]) -> JointMotion:
+        """Mean angle of a fold by length, its rate, and the moment about the crease."""
+        assert joint.other is not None
+        records = self._records
+        weights = Crease(self.model, joint.edge, joint.other).lengths
+        position, velocity, moment = np.zeros((3, len(records.time)))
+        places, offsets = self._system.force_offsets(), self._system.joint_offsets()
+        columns = self._system.joint_outputs()[:, 1]
+        for index, weight in zip(plan["indices"], weights / weights.sum(), strict=True):
+            with translated():
+                motion = by_blocks(partial(self._system.joint_motion, index), records.q, records.v)
+            position += weight * records.outputs[:, int(columns[index])]
+            velocity += weight * motion[:, 1]
+        for number in plan.get("springs", ()):
+            moment += records.outputs[:, places[number, 0]]
+        for index in plan.get("drives", ()):
+            moment -= records.lambda_[:, offsets[index, 0]]
+        return JointMotion(position, velocity, moment)
 
     def _along(self, name: str) -> FloatArray:
         """Sum of what acts along the freedom of a joint, (n,)."""

@@ -307,15 +307,20 @@ class Sheets(Mechanism):
 
     def _weld_edges(self, a: Edge, b: Edge, name: str | None) -> Joint:
         """Join two edges with matching nodes."""
-        self._edge(a, "a"), self._edge(b, "b")
+        a, b = self._matching(a, b, ("a", "b"))
+        return self._hold("weld", a, name, other=b)
+
+    def _matching(self, a: Edge, b: Edge, names: tuple[str, str]) -> tuple[Edge, Edge]:
+        """Two edges whose nodes coincide, in the same order."""
+        self._edge(a, names[0]), self._edge(b, names[1])
         first, second = self._surface(a.body), self._surface(b.body)
         if len(a.nodes) != len(b.nodes):
-            _check.fail("b", str(b), f"must have as many nodes as a, {len(a.nodes)}")
+            _check.fail(names[1], str(b), f"must have as many nodes as {names[0]}, {len(a.nodes)}")
         p, q = first.r[list(a.nodes)], second.r[list(b.nodes)]
         if np.linalg.norm(p[0] - q[0]) > np.linalg.norm(p[0] - q[-1]):
             b = Edge(b.identity, b.body, b.nodes[::-1], b.sides[::-1])
             q = q[::-1]
         gap = float(np.linalg.norm(p - q, axis=1).max())
         if gap > 1e-6 * self._size():
-            _check.fail("b", str(b), f"the nodes must coincide at the start, but are {gap:.6g} m apart")
-        return self._hold("weld", a, name, other=b)
+            _check.fail(names[1], str(b), f"the nodes must coincide at the start, but are {gap:.6g} m apart")
+        return a, b

@@ -26,6 +26,7 @@ __all__ = [
     "DriveJoint",
     "DrivePoint",
     "EdgeJoint",
+    "Fold",
     "Gear",
     "Hinge",
     "JointData",
@@ -199,12 +200,35 @@ class EdgeJoint(Jointed):
 
     def __post_init__(self) -> None:
         _check.text(self.name, "name")
-        _check.choice(self.kind, "kind", ("clamp", "pin", "symmetry", "weld"))
+        _check.choice(self.kind, "kind", ("clamp", "pin", "symmetry", "weld", "fold"))
         object.__setattr__(self, "axes", tuple(axis_of(axis, "axes") for axis in self.axes))
 
     def points(self) -> tuple[Point | WorldPoint, ...]:
         """Points that it acts on: the first node of the edge."""
         return (self.a,)
+
+
+@dataclass(frozen=True)
+class Fold(EdgeJoint):
+    """Two edges keep one position; a spring and damper about them, or a given angle (see ``Model.fold``)."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    angle: Signal | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("stiffness", "damping"):
+            _check.number(getattr(self, name), name, at_least=0)
+        if self.other is None:
+            _check.fail("other", self.other, "a fold joins two edges")
+        if self.angle is not None and (not isinstance(self.angle, Signal) or self.angle.size != 1):
+            _check.fail("angle", self.angle, "must be a signal of one component")
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the angle is given, not sprung."""
+        return self.angle is not None and self.stiffness == 0.0
 
 
 @dataclass(frozen=True)
@@ -275,6 +299,7 @@ class Gear(Jointed):
 JointData = Pair | Clamp | SlideCable | DrivePoint | DriveJoint | DriveAxis | DriveForce | Gear | EdgeJoint
 JOINTS: tuple[type[JointData], ...] = (
     EdgeJoint,
+    Fold,
     Pin,
     Clamp,
     Weld,

@@ -11,6 +11,7 @@ from pliant import _check
 from pliant._beams import Beams
 from pliant._contents import world_point
 from pliant._document import VERSION, decode, encode
+from pliant._folds import Folds
 from pliant._pneumatics import Pneumatics
 from pliant._touching import Touching
 from pliant.beams import BeamBody
@@ -42,7 +43,7 @@ LATER = ("obstacles", "contacts")
 """Lists that a document may lack."""
 
 
-class Model(Beams, Pneumatics, Touching):
+class Model(Beams, Folds, Pneumatics, Touching):
     """A collection of bodies, joints and loads.
 
     Parameters

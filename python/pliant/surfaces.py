@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pliant import _check
+from pliant._curved import is_parallelogram, own_parameters
 from pliant.errors import ModelError
 from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff
 from pliant.mesh import PARALLEL, Mesh, as_mesh
@@ -73,6 +74,8 @@ class SurfaceBody:
         Extent of the quadrilaterals in the parameters.
     triangle_charts : (k, 3, 2)
         Parameters of the triangles' corners.
+    turns : (corners of all faces, 2, 2) or (0, 2, 2)
+        Where every face has parameters of its own: slopes along them at its corners in terms of nodal ones.
     groups, edges : list of (name, list of int)
         Named faces and edges.
     """
@@ -98,6 +101,7 @@ class SurfaceBody:
     v: FloatArray
     groups: Any = ()
     edges: Any = ()
+    turns: FloatArray = field(default_factory=lambda: np.empty((0, 2, 2)))
 
     def __post_init__(self) -> None:
         _check.choice(self.kind, "kind", ("shell", "membrane"))
@@ -130,6 +134,9 @@ class SurfaceBody:
             given = getattr(self, name)
             array = _check.array(given, name, shape) if np.size(given) else np.empty([n or 0 for n in shape])
             object.__setattr__(self, name, array)
+        own = 4 * m + 3 * k if np.size(self.turns) else 0
+        turns = _check.array(self.turns, "turns", (own, 2, 2)) if own else np.empty((0, 2, 2))
+        object.__setattr__(self, "turns", turns)
         n = len(self.reference)
         for name in ("q", "v"):
             object.__setattr__(self, name, _check.array(getattr(self, name), name, (n, s, 3)))
@@ -195,11 +202,28 @@ class SurfaceBody:
         a, b = self.quad_sizes[face]
         return np.array([(0, 0), (a, 0), (a, b), (0, b)])
 
+    def turn(self, face: int) -> FloatArray | None:
+        """Slopes along a face's own parameters in terms of the nodal ones, (corners, 2, 2)."""
+        if not len(self.turns):
+            return None
+        m = len(self.quads)
+        first = 4 * face if face < m else m + 3 * face
+        return self.turns[first : first + len(self.corners(face))]
+
+    def way(self, face: int, corner: int, step: FloatArray) -> FloatArray:
+        """Direction in a face's parameters, in those of the nodal slopes at one of its corners, (2,)."""
+        turn = self.turn(face)
+        return step if turn is None else turn[corner] @ step
+
     def shape(self, face: int, at: tuple[float, float]) -> tuple[IntArray, FloatArray]:
         """Numbers of the nodal vectors of a face, and their functions with derivatives (k, 6) at a place."""
         from pliant import _core
 
         rows = _core.surface_shape(self.element_kind(face), self.chart(face), at)
+        turn = self.turn(face)
+        if turn is not None:
+            by_corner = rows.reshape(len(turn), 3, 6)
+            by_corner[:, 1:] = turn @ by_corner[:, 1:]
         index = (self.corners(face)[:, None] * self.vectors + np.arange(self.vectors)).ravel()
         return index, rows
 
@@ -566,12 +590,12 @@ def make_surface(
         h = _check.array(thickness, "thickness", (count,))
         if h.min() <= 0:
             _check.fail("thickness", thickness, "must be above 0")
-    element, quads, triangles, sizes, charts, reference, h = _discretise(mesh, kind, element, h)
+    element, quads, triangles, sizes, charts, reference, h, source, turns = _discretise(
+        mesh, kind, element, h
+    )
     if quadrature == "reduced" and element not in ("bicubic", "plate"):
         _check.fail("quadrature", quadrature, 'is there for the elements "bicubic" and "plate"')
-    groups = [(key, rows.tolist()) for key, rows in mesh.groups.items()]
-    if len(quads) + len(triangles) != count:
-        groups = []
+    groups = [(key, np.flatnonzero(np.isin(source, rows)).tolist()) for key, rows in mesh.groups.items()]
     body = SurfaceBody(
         name=name,
         kind=kind,
@@ -594,6 +618,7 @@ def make_surface(
         v=np.zeros_like(reference),
         groups=groups,
         edges=[(key, rows.tolist()) for key, rows in mesh.edges.items()],
+        turns=turns,
     )
     if initial is not None:
         places = _check.array(initial, "initial", (body.nodes, 3))
@@ -601,15 +626,27 @@ def make_surface(
     return _with_velocity(body, velocity, angular_velocity)
 
 
-Discretised = tuple[str, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray]
+class Discretised(NamedTuple):
+    """Element, faces, parameters, stress-free nodal vectors; ``source``: the face of the mesh each was."""
+
+    element: str
+    quads: IntArray
+    triangles: IntArray
+    quad_sizes: FloatArray
+    triangle_charts: FloatArray
+    reference: FloatArray
+    thickness: FloatArray
+    source: IntArray
+    turns: FloatArray = np.empty((0, 2, 2))
 
 
 def _discretise(mesh: Mesh, kind: str, element: str, h: FloatArray) -> Discretised:
-    """Element, faces, parameters and stress-free nodal vectors of a mesh."""
     quads, triangles = mesh.quads, mesh.triangles
     none, no_charts = np.empty((0, 2)), np.empty((0, 3, 2))
+    all_faces = np.arange(len(quads) + len(triangles))
     if kind == "membrane":
-        return "membrane", quads, triangles, none, no_charts, mesh.points[:, None], h
+        reference = mesh.points[:, None]
+        return Discretised("membrane", quads, triangles, none, no_charts, reference, h, all_faces)
     words = ("auto", "bicubic", "cylindrical", "plate", "triangle")
     element = _check.choice(element, "element", words)
     if element in ("auto", "bicubic", "cylindrical") and not len(triangles):
@@ -620,7 +657,8 @@ def _discretise(mesh: Mesh, kind: str, element: str, h: FloatArray) -> Discretis
             element = "bicubic" if element == "auto" else element
             wanted = VECTORS[element] - 1
             reference = np.concatenate([mesh.points[:, None], smooth.slopes[:, :wanted]], axis=1)
-            return element, smooth.quads, triangles, smooth.sizes, no_charts, reference, h
+            sizes = smooth.sizes
+            return Discretised(element, smooth.quads, triangles, sizes, no_charts, reference, h, all_faces)
     if element in ("bicubic", "cylindrical"):
         _check.fail(
             "element",
@@ -628,7 +666,7 @@ def _discretise(mesh: Mesh, kind: str, element: str, h: FloatArray) -> Discretis
             "needs a mesh with common (u, v) directions: pliant.Mesh.rectangle, grid or surface, or "
             "rectangles in one plane with parallel sides",
         )
-    return _plane(mesh, element, h)
+    return _plates_and_triangles(mesh, element, h)
 
 
 def _rectangles(mesh: Mesh) -> Mesh | None:
@@ -661,42 +699,60 @@ def _rectangles(mesh: Mesh) -> Mesh | None:
     return Mesh(mesh.points, quads, slopes=slopes, sizes=lengths[:, :2])
 
 
-def _plane(mesh: Mesh, element: str, h: FloatArray) -> Discretised:
-    """Plates and triangles in the plane of the mesh; other quadrilaterals are halved."""
-    points = mesh.points
+def _plates_and_triangles(mesh: Mesh, element: str, h: FloatArray) -> Discretised:
+    """Plates, and triangles; quadrilaterals that are no plates are halved.
+
+    In a plane whose rectangles have parallel sides all faces share parameters, else each has its own.
+    """
+    points, m = mesh.points, len(mesh.quads)
     center = points.mean(axis=0)
-    _, sizes, axes = np.linalg.svd(points - center, full_matrices=False)
-    if len(sizes) > 2 and sizes[2] > PARALLEL * sizes[0]:
+    _, spans, axes = np.linalg.svd(points - center, full_matrices=False)
+    is_plane = len(spans) < 3 or spans[2] <= PARALLEL * spans[0]
+    plates = None
+    if is_plane and m and element != "triangle":
+        plates = _rectangles(Mesh(points, mesh.quads)) if _all_used(mesh) else _turned(mesh)
+    if element == "triangle":
+        whole = np.zeros(m, dtype=bool)
+    else:
+        whole = is_parallelogram(points, mesh.quads) if plates is None else np.ones(m, dtype=bool)
+    if element == "plate" and not whole.all():
         _check.fail(
-            "mesh",
-            f"{len(points)} points",
-            f'element "{element}" needs a plane mesh; curved shells take pliant.Mesh.grid or Mesh.surface',
+            f"quads[{int(np.argmin(whole))}]",
+            mesh.quads[int(np.argmin(whole))],
+            'element "plate" needs parallelograms, nearly; "auto" halves other quadrilaterals to triangles',
         )
+    quads = mesh.quads[whole] if plates is None else plates.quads
+    halves = mesh.quads[~whole][:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    triangles = np.vstack([halves, mesh.triangles])
+    source = np.concatenate(
+        [np.flatnonzero(whole), np.repeat(np.flatnonzero(~whole), 2), m + np.arange(len(mesh.triangles))]
+    )
+    name = "plate" if len(quads) else "triangle"
+    thickness = h if len(h) == 1 else np.ascontiguousarray(h[source])
+    if is_plane and (plates is not None or not len(quads)):
+        charts, slopes = _plane(mesh, plates, triangles, center, axes)
+        sizes = np.empty((0, 2)) if plates is None or plates.sizes is None else plates.sizes
+        turns = np.empty((0, 2, 2))
+    else:
+        slopes, sizes, charts, turns = own_parameters(mesh, quads, triangles)
+    reference = np.concatenate([points[:, None], slopes], axis=1)
+    return Discretised(name, quads, triangles, sizes, charts, reference, thickness, source, turns)
+
+
+def _plane(
+    mesh: Mesh, plates: Mesh | None, triangles: IntArray, center: FloatArray, axes: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Parameters of triangles in the plane of the mesh, and the slopes there."""
+    points = mesh.points
     first = mesh.quads[0] if len(mesh.quads) else mesh.triangles[0]
     normal = np.cross(points[first[1]] - points[first[0]], points[first[2]] - points[first[0]])
     normal /= np.linalg.norm(normal)
-    plates = _rectangles(Mesh(points, mesh.quads)) if _all_used(mesh) else _turned(mesh)
     e_u = axes[0] - normal * (axes[0] @ normal)
     if plates is not None and plates.slopes is not None:
         e_u = plates.slopes[0, 0]
     e_u = e_u / np.linalg.norm(e_u)
     e_v = np.cross(normal, e_u)
     uv = np.column_stack([(points - center) @ e_u, (points - center) @ e_v])
-    reference = np.stack([points, np.tile(e_u, (len(points), 1)), np.tile(e_v, (len(points), 1))], axis=1)
-    thickness = np.broadcast_to(h, len(mesh.quads) + len(mesh.triangles))
-    use_plates = plates is not None and element in ("auto", "plate")
-    if element == "plate" and len(mesh.quads) and not use_plates:
-        _check.fail("element", element, "needs rectangles with parallel sides (triangles may be among them)")
-    if use_plates:
-        assert plates is not None
-        assert plates.sizes is not None
-        quads, sizes_uv, triangles = plates.quads, plates.sizes, mesh.triangles
-    else:
-        halves = np.concatenate([mesh.quads[:, [0, 1, 2]], mesh.quads[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
-        quads, sizes_uv = mesh.quads[:0], np.empty((0, 2))
-        triangles = np.vstack([halves, mesh.triangles])
-        m = len(mesh.quads)
-        thickness = np.concatenate([np.repeat(thickness[:m], 2), thickness[m:]])
     charts = uv[triangles]
     area = np.linalg.det(charts[:, 1:] - charts[:, :1]) if len(triangles) else np.ones(1)
     if area.min() <= 0:
@@ -704,9 +760,7 @@ def _plane(mesh: Mesh, element: str, h: FloatArray) -> Discretised:
         _check.fail(
             f"triangles[{bad}]", triangles[bad], "all faces must have their corners the same way round"
         )
-    name = "plate" if use_plates and len(quads) else "triangle"
-    uniform = h if len(h) == 1 else np.ascontiguousarray(thickness)
-    return name, quads, triangles, sizes_uv, charts, reference, uniform
+    return charts, np.tile(np.stack([e_u, e_v]), (len(points), 1, 1))
 
 
 def _all_used(mesh: Mesh) -> bool:

@@ -389,6 +389,12 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         Ok(x)
     }
 
+    /// Number of motions that lower the energy, if the factors of the stiffness and the constraints made last tell:
+    /// each multiplier adds one negative eigenvalue to theirs.
+    fn falling_by_inertia(&self) -> Option<usize> {
+        self.solver.negative_eigenvalues()?.checked_sub(self.problem.multipliers())
+    }
+
     fn add(&self, place: &mut Place, dx: &[f64], factor: f64) {
         let n = self.zero.len();
         let dq: Vec<f64> = dx[..n].iter().map(|d| factor * d).collect();

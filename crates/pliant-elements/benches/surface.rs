@@ -30,7 +30,7 @@ fn row(kind: SurfaceKind, material: PlaneStress, n: usize) -> (SurfaceBlock, Vec
     let elements: Vec<SurfaceElement> = (0..n)
         .map(|e| SurfaceElement {
             vectors: (0..vectors).map(|k| 3 * (e * vectors + k) as u32).collect(),
-            chart: corners,
+            chart: corners.into(),
             reference: reference.clone(),
             thickness: 0.01,
         })

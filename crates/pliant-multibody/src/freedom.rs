@@ -2,8 +2,9 @@
 //!
 //! Both are made of products u.w of vectors ([`crate::joints::arm`]). A way is one product. An angle is
 //! `Im log z`, `z = c + i s` with two of them, so that with `w_k = z^(k)/z` its time derivatives are `Im w_1`,
-//! `Im (w_2 - w_1^2)`, `Im (w_3 - 3 w_1 w_2 + 2 w_1^3)`.
+//! `Im (w_2 - w_1^2)`, `Im (w_3 - 3 w_1 w_2 + 2 w_1^3)`. That of a fold, of three vectors, has a file of its own.
 
+use crate::fold::Fold;
 use crate::joints::arm::{self, Arm, Role, add_gradient};
 use crate::point::{Interpolation, Support};
 use nalgebra::{Complex, Vector3};
@@ -30,13 +31,23 @@ pub enum Freedom {
         /// The direction.
         w: Arm,
     },
+    /// The angle between two sheets along a crease.
+    Fold(Fold),
+}
+
+/// The argument of `c + i s` and its first three time derivatives.
+fn argument(c: [f64; 4], s: [f64; 4]) -> [f64; 4] {
+    let z: [Complex<f64>; 4] = std::array::from_fn(|k| Complex::new(c[k], s[k]));
+    let [w1, w2, w3] = [1, 2, 3].map(|k| z[k] / z[0]);
+    let third = w3 - w1 * w2 * 3.0 + w1 * w1 * w1 * 2.0;
+    [z[0].arg(), w1.im, (w2 - w1 * w1).im, third.im]
 }
 
 impl Freedom {
     /// Whether it is an angle, known up to whole turns.
     #[must_use]
     pub fn is_angle(&self) -> bool {
-        matches!(self, Self::Angle { .. })
+        matches!(self, Self::Angle { .. } | Self::Fold(_))
     }
 
     /// Its vectors.
@@ -47,6 +58,7 @@ impl Freedom {
                 [u, cosine, sine].into_iter().flat_map(Arm::interpolations).collect()
             }
             Self::Length { u, w } => [u, w].into_iter().flat_map(Arm::interpolations).collect(),
+            Self::Fold(fold) => fold.interpolations(),
         }
     }
 
@@ -59,25 +71,28 @@ impl Freedom {
                 Self::Angle { u: local(u), cosine: local(cosine), sine: local(sine), sign: *sign }
             }
             Self::Length { u, w } => Self::Length { u: local(u), w: local(w) },
+            Self::Fold(fold) => Self::Fold(fold.placed(support)),
         }
     }
 
-    /// y, y', y'' and y''' at zero jerk; angles from -pi to pi.
+    /// y, y', y'' and y''' at zero jerk; angles up to whole turns.
     #[must_use]
     pub fn motion(&self, x: &[f64], v: &[f64], a: &[f64]) -> [f64; 4] {
         match self {
             Self::Angle { u, cosine, sine, sign } => {
                 let (c, s) = (arm::motion(u, cosine, x, v, a), arm::motion(u, sine, x, v, a));
-                let z: [Complex<f64>; 4] = std::array::from_fn(|k| Complex::new(c[k], s[k]));
-                let [w1, w2, w3] = [1, 2, 3].map(|k| z[k] / z[0]);
-                let third = w3 - w1 * w2 * 3.0 + w1 * w1 * w1 * 2.0;
-                [z[0].arg(), w1.im, (w2 - w1 * w1).im, third.im].map(|y| sign * y)
+                argument(c, s).map(|y| sign * y)
             }
             Self::Length { u, w } => arm::motion(u, w, x, v, a),
+            Self::Fold(fold) => {
+                let (c, s) = fold.pair(x, v, a);
+                let [y, y1, y2, y3] = argument(c.0, s.0);
+                [fold.meant(y), y1, y2, y3]
+            }
         }
     }
 
-    /// y, angles from -pi to pi.
+    /// y, angles up to whole turns.
     #[must_use]
     pub fn value(&self, x: &[f64]) -> f64 {
         match self {
@@ -86,6 +101,7 @@ impl Freedom {
                 sign * u.dot(&sine.at(x)).atan2(u.dot(&cosine.at(x)))
             }
             Self::Length { u, w } => u.at(x).dot(&w.at(x)),
+            Self::Fold(fold) => fold.value(x),
         }
     }
 
@@ -107,6 +123,7 @@ impl Freedom {
                 add_gradient(u, cosine, x, -f * s, out);
             }
             Self::Length { u, w } => add_gradient(u, w, x, factor, out),
+            Self::Fold(fold) => fold.add_gradient(x, factor, out),
         }
     }
 
@@ -133,6 +150,7 @@ impl Freedom {
                 }
             }
             Self::Length { u, w } => arm::add_hessian(u, w, x, factor, out),
+            Self::Fold(fold) => fold.add_hessian(x, factor, out),
         }
     }
 
@@ -156,6 +174,11 @@ impl Freedom {
             Self::Length { u, w } => {
                 on(u, w.at(x));
                 on(w, u.at(x));
+            }
+            Self::Fold(fold) => {
+                for (arm, g) in fold.arms().into_iter().zip(fold.gradient(x)) {
+                    on(arm, g);
+                }
             }
         }
         (force, moment)

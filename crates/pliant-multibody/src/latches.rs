@@ -6,7 +6,7 @@
 
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
-use crate::joints::hold::hold;
+use crate::joints::hold;
 use crate::joints::side::{Frame, Side};
 use crate::joints::slide_cable::SlideCable;
 use crate::joints::{Draft, Joint, of_spec};
@@ -55,7 +55,7 @@ pub(crate) fn draft(
     latch: Option<Latch>,
 ) -> Result<Box<dyn Draft>, ModelError> {
     if let JointSpec::Hold { .. } = joint {
-        return Ok(Box::new(hold(joint, map, q)?));
+        return Ok(Box::new(hold::of_spec(joint, map, q)?));
     }
     let (name, a, b) = joint.points();
     let place = format!("joint '{name}'");

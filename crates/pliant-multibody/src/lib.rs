@@ -8,6 +8,7 @@ pub mod contact_coupling;
 pub mod document;
 pub mod dof_map;
 pub mod error;
+pub mod fold;
 pub mod forces;
 pub mod freedom;
 pub mod jet;

@@ -361,6 +361,9 @@ pub struct SurfaceSpec {
     pub triangles: Array,
     /// Parameters (u, v) of their corners, (k, 3, 2); empty for membranes.
     pub triangle_charts: Array,
+    /// Slopes along each face's own parameters at its corners in terms of the nodal ones, (corners of all faces, 2, 2);
+    /// empty where the parameters are common to all faces.
+    pub turns: Array,
     /// Thickness [m]: (1,) or (faces,).
     pub thickness: Array,
     /// Law of the material.
@@ -632,6 +635,9 @@ pub enum JointSpec {
         b: Option<NodeSpec>,
         /// What is held.
         equations: Vec<HoldSpec>,
+        /// The angle that two sheets make there, as the joint's freedom.
+        #[serde(default)]
+        fold: Option<Box<FoldSpec>>,
     },
     /// A point follows a path (3 equations), the tangent of a cable there a direction (2), a rigid body an orientation
     /// (3).
@@ -706,6 +712,31 @@ pub struct HoldSpec {
     pub b: Vec<f64>,
     /// Direction of the component.
     pub direction: [f64; 3],
+}
+
+/// The angle between two sheets at a point of their crease, by three vectors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FoldSpec {
+    /// Along the crease.
+    pub along: Vec<NodalSpec>,
+    /// Out of the first sheet, across the crease.
+    pub out: Vec<NodalSpec>,
+    /// Into the second sheet, across the crease.
+    pub into: Vec<NodalSpec>,
+    /// Of the angles that differ by whole turns the start's is nearest to this [rad].
+    #[serde(default)]
+    pub near: f64,
+}
+
+/// A weighted sum of the nodal vectors of a node.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NodalSpec {
+    /// The node.
+    pub at: NodeSpec,
+    /// A weight for each nodal vector.
+    pub weights: Vec<f64>,
 }
 
 /// A node of a surface.

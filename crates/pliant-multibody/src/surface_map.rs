@@ -108,19 +108,35 @@ impl SurfaceMap {
         let unit = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         for (k, nodes) in quads.into_iter().enumerate() {
             let [a, b] = if bends { [sizes[2 * k], sizes[2 * k + 1]] } else { [1.0, 1.0] };
-            faces.push(Face { kind: quad, nodes, chart: unit.map(|[x, y]| [a * x, b * y]) });
+            let corners = unit.map(|[x, y]| [a * x, b * y]);
+            faces.push(Face { kind: quad, nodes, chart: corners.into() });
         }
         for (k, nodes) in triangles.into_iter().enumerate() {
             let Some(kind) = triangle else {
                 return refuse("triangles", k as f64, "no triangles among elements of this kind");
             };
-            let mut chart = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
+            let mut corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
             if bends {
-                for (c, corner) in chart.iter_mut().enumerate().take(3) {
+                for (c, corner) in corners.iter_mut().enumerate().take(3) {
                     *corner = [charts[6 * k + 2 * c], charts[6 * k + 2 * c + 1]];
                 }
             }
-            faces.push(Face { kind, nodes, chart });
+            faces.push(Face { kind, nodes, chart: corners.into() });
+        }
+        let own: usize = faces.iter().map(|face| 4 * face.nodes.len()).sum();
+        let turns = arrays.sized(&spec.turns, &[0, own], &place("turns"))?;
+        if !turns.is_empty() {
+            if spec.vectors != 3 {
+                return refuse("turns", spec.vectors as f64, "3 nodal vectors at a node");
+            }
+            let mut rows = turns.chunks_exact(4).map(|t| [[t[0], t[1]], [t[2], t[3]]]);
+            for face in &mut faces {
+                let mut own = [[[1.0, 0.0], [0.0, 1.0]]; 4];
+                for (to, turn) in own.iter_mut().take(face.nodes.len()).zip(&mut rows) {
+                    *to = turn;
+                }
+                face.chart.turns = Some(own);
+            }
         }
         if faces.is_empty() {
             return refuse("faces", 0.0, "at least one face");
@@ -253,7 +269,8 @@ impl SurfaceMap {
                 &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
             };
             let next = (side + 1) % n;
-            let direction = [0, 1].map(|c| face.chart[next][c] - face.chart[side][c]);
+            let corners = &face.chart.corners;
+            let direction = [0, 1].map(|c| corners[next][c] - corners[side][c]);
             let reference = self.reference_of(face);
             for (t, weight) in GAUSS_4.pairs() {
                 let at = [0, 1].map(|c| (1.0 - t) * places[side][c] + t * places[next][c]);

@@ -41,6 +41,7 @@ pub fn surface_shape<'py>(
     for (k, corner) in corners.iter_mut().enumerate().take(n) {
         *corner = [flat[2 * k], flat[2 * k + 1]];
     }
-    let rows = teaching::surface_shape(kind, &corners, at).map_err(|error| model_error(&error))?;
+    let rows =
+        teaching::surface_shape(kind, &corners.into(), at).map_err(|error| model_error(&error))?;
     table(py, rows.into_flattened(), 6)
 }

@@ -12,7 +12,7 @@
 use super::{NOISE, Place, Search, StaticOptions, StaticPoint};
 use crate::error::{Error, check_length};
 use crate::linear_solver::LinearSolver;
-use crate::modes::{ModeOptions, solve_modes};
+use crate::modes::{Mode, ModeOptions, solve_modes};
 use crate::problem::Problem;
 use crate::redundancy::{leave_out_dependent, require_met};
 use crate::scaling::weighted_max;
@@ -98,8 +98,8 @@ struct Station {
     last_increment: f64,
     /// Motions that lower the energy; none: not known.
     falling: Option<usize>,
-    /// Smallest squares of angular frequencies, ascending.
-    squares: Vec<f64>,
+    /// Squares of the angular frequencies nearest to zero, ascending, once they have been asked for.
+    squares: Option<Vec<f64>>,
 }
 
 /// Follows the path from the load `options.equilibrium.from`; `sink` gets its points.
@@ -360,29 +360,55 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         self.product(&from.tangent[..n], &to.tangent[..n]) + from.rate * to.rate < BEND
     }
 
-    /// Number of motions that lower the energy, among those nearest to none where the problem is large.
-    fn falling(&mut self, load: f64, place: &Place) -> Result<(Option<usize>, Vec<f64>), Error> {
+    /// Number of motions that lower the energy, by the inertia of the stiffness on the constraints that was
+    /// factorised last; else by the modes nearest to none, whose squares are returned, too.
+    fn falling(
+        &mut self,
+        load: f64,
+        place: &Place,
+    ) -> Result<(Option<usize>, Option<Vec<f64>>), Error> {
         if !self.problem.has_potential() {
-            return Ok((None, Vec::new()));
+            return Ok((None, None));
         }
-        let options = ModeOptions { count: MODES, dense_limit: DENSE, ..ModeOptions::default() };
-        let modes =
-            solve_modes(self.problem, self.solver, load, &place.q, &place.lambda_, &options);
-        match modes {
+        if let Some(falling) = self.falling_by_inertia() {
+            return Ok((Some(falling), None));
+        }
+        match self.modes(load, place) {
             Ok(modes) => Ok((
                 Some(modes.iter().filter(|m| m.unstable).count()),
-                modes.iter().map(|m| m.omega_squared).collect(),
+                Some(modes.iter().map(|m| m.omega_squared).collect()),
             )),
-            Err(error) if error.is_recoverable() => Ok((None, Vec::new())),
+            Err(error) if error.is_recoverable() => Ok((None, None)),
             Err(error) => Err(error),
         }
     }
 
+    /// The modes nearest to zero, or all of a small problem.
+    fn modes(&mut self, load: f64, place: &Place) -> Result<Vec<Mode>, Error> {
+        let options = ModeOptions { count: MODES, dense_limit: DENSE, ..ModeOptions::default() };
+        solve_modes(self.problem, self.solver, load, &place.q, &place.lambda_, &options)
+    }
+
+    /// The square of the frequency that has `below` others under it; zero where it is not known.
+    fn square(&mut self, station: &Station, below: usize) -> f64 {
+        let found;
+        let squares = match &station.squares {
+            Some(squares) => squares,
+            None => {
+                let modes = self.modes(station.load, &station.place).unwrap_or_default();
+                found = modes.iter().map(|m| m.omega_squared).collect::<Vec<_>>();
+                &found
+            }
+        };
+        // Those far below zero are not among the modes.
+        let negative = squares.iter().filter(|square| **square < 0.0).count();
+        let missing = station.falling.unwrap_or(negative).saturating_sub(negative);
+        squares.get(below.wrapping_sub(missing)).copied().unwrap_or(0.0)
+    }
+
     /// The motion that costs least force.
     fn critical_shape(&mut self, at: &Station) -> Vec<f64> {
-        let options = ModeOptions { count: MODES, dense_limit: DENSE, ..ModeOptions::default() };
-        let place = &at.place;
-        solve_modes(self.problem, self.solver, at.load, &place.q, &place.lambda_, &options)
+        self.modes(at.load, &at.place)
             .ok()
             .and_then(|modes| {
                 modes
@@ -403,13 +429,14 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         limit: bool,
     ) -> Result<Station, Error> {
         let first = from.falling.unwrap_or(0).min(to.falling.unwrap_or(0));
-        let measure = |station: &Station| {
-            if limit { station.rate } else { station.squares.get(first).copied().unwrap_or(0.0) }
+        let measure = |search: &mut Self, station: &Station| {
+            if limit { station.rate } else { search.square(station, first) }
         };
         let (mut low, mut high) = (0.0, length);
-        let (mut at_low, mut at_high) = (measure(from), measure(to));
+        let (mut at_low, mut at_high) = (measure(self, from), measure(self, to));
         let size = at_low.abs().max(at_high.abs());
         let mut best = if at_low.abs() < at_high.abs() { from.clone() } else { to.clone() };
+        let mut smallest = at_low.abs().min(at_high.abs());
         if at_low * at_high >= 0.0 {
             // The sign changed within rounding of one of them.
             return Ok(best);
@@ -423,9 +450,9 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                 Err(error) if error.is_recoverable() => break,
                 Err(error) => return Err(error),
             };
-            let value = measure(&middle);
-            if value.abs() <= measure(&best).abs() {
-                best = middle;
+            let value = measure(self, &middle);
+            if value.abs() <= smallest {
+                (best, smallest) = (middle, value.abs());
             }
             if value * at_low > 0.0 {
                 (low, at_low) = (trial, value);

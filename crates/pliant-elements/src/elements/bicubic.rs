@@ -1,12 +1,12 @@
 //! Bicubic shell (Bogner-Fox-Schmit): r, r_u, r_v and r_uv at the four corners of a rectangle in the parameters (u, v).
 //! The surface and its tangent plane are continuous where meshes have common (u, v) directions.
 
-use super::surface::{CORNERS, Chart, Jet, hermite};
+use super::surface::{CORNERS, Jet, hermite};
 
 /// Shape functions: products of cubic Hermite functions.
-pub(crate) fn shape(chart: &Chart, [x, y]: [f64; 2]) -> Vec<Jet> {
-    let u = hermite(x, chart[1][0] - chart[0][0]);
-    let v = hermite(y, chart[3][1] - chart[0][1]);
+pub(crate) fn shape([a, b]: [f64; 2], [x, y]: [f64; 2]) -> Vec<Jet> {
+    let u = hermite(x, a);
+    let v = hermite(y, b);
     CORNERS
         .iter()
         .flat_map(|&[i, j]| {

@@ -2,7 +2,7 @@
 //! y, x2, xy, y2, x3, x2y, xy2, y3, x3y, xy3. Slopes across edges agree at nodes only; it passes the patch test on
 //! rectangles. No twist at nodes, so that patches with turned directions may share them.
 
-use super::surface::{CORNERS, Chart, Jet};
+use super::surface::{CORNERS, Jet};
 
 /// Powers of x and y of the monomials.
 const POWERS: [[i32; 2]; 12] = [
@@ -31,8 +31,7 @@ fn power(x: f64, p: i32) -> [f64; 3] {
 }
 
 /// Shape functions: the monomials through the inverse of their nodal values.
-pub(crate) fn shape(chart: &Chart, [x, y]: [f64; 2]) -> Vec<Jet> {
-    let (a, b) = (chart[1][0] - chart[0][0], chart[3][1] - chart[0][1]);
+pub(crate) fn shape([a, b]: [f64; 2], [x, y]: [f64; 2]) -> Vec<Jet> {
     let monomial =
         |x: f64, y: f64, k: usize| Jet::product(power(x, POWERS[k][0]), power(y, POWERS[k][1]));
     // On the unit square: (N, N_x, N_y) at the corners.

@@ -55,6 +55,18 @@ pub struct Jet {
 pub(crate) type Line<const N: usize> = [[f64; 3]; N];
 
 impl Jet {
+    /// `a x + b y`
+    fn sum(a: f64, x: &Self, b: f64, y: &Self) -> Self {
+        Self {
+            value: a * x.value + b * y.value,
+            u: a * x.u + b * y.u,
+            v: a * x.v + b * y.v,
+            uu: a * x.uu + b * y.uu,
+            vv: a * x.vv + b * y.vv,
+            uv: a * x.uv + b * y.uv,
+        }
+    }
+
     /// The product of a function of u and one of v.
     pub(crate) fn product(a: [f64; 3], b: [f64; 3]) -> Self {
         Self {
@@ -84,8 +96,30 @@ pub(crate) fn linear(xi: f64, length: f64) -> Line<2> {
     [[1.0 - xi, -1.0 / length, 0.0], [xi, 1.0 / length, 0.0]]
 }
 
-/// Where the corners of an element lie in the parameters (u, v); triangles have three.
-pub type Chart = [[f64; 2]; 4];
+/// The parameters (u, v) of an element.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// Where the corners lie; triangles have three.
+    pub corners: [[f64; 2]; 4],
+    /// Slopes along the element's parameters at its corners in terms of the nodal ones, where these belong to other
+    /// parameters: `r_b = sum_a turns[corner][a][b] r_a`. On curved surfaces every element has parameters of its own.
+    pub turns: Option<[[[f64; 2]; 2]; 4]>,
+}
+
+impl From<[[f64; 2]; 4]> for Chart {
+    /// Parameters common to the whole mesh.
+    fn from(corners: [[f64; 2]; 4]) -> Self {
+        Self { corners, turns: None }
+    }
+}
+
+impl Chart {
+    /// Extent of a quadrilateral.
+    pub(crate) fn extent(&self) -> [f64; 2] {
+        let [origin, right, _, up] = self.corners;
+        [right[0] - origin[0], up[1] - origin[1]]
+    }
+}
 
 /// Quadrature of an element: places in it and weights that sum to one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -168,14 +202,22 @@ impl SurfaceKind {
     /// The shape functions at a place of the element.
     #[must_use]
     pub fn shape(self, chart: &Chart, at: [f64; 2]) -> Vec<Jet> {
-        match self {
-            Self::Bicubic => bicubic::shape(chart, at),
-            Self::Cylindrical => cylindrical::shape(chart, at),
-            Self::Plate => plate::shape(chart, at),
-            Self::Triangle => triangle::shape(chart, at),
+        let mut jets = match self {
+            Self::Bicubic => bicubic::shape(chart.extent(), at),
+            Self::Cylindrical => cylindrical::shape(chart.extent(), at),
+            Self::Plate => plate::shape(chart.extent(), at),
+            Self::Triangle => triangle::shape(&chart.corners, at),
             Self::QuadMembrane => membrane::quad(at),
             Self::TriangleMembrane => membrane::triangle(at),
+        };
+        if let (Some(turns), 3) = (&chart.turns, self.vectors_per_node()) {
+            for (node, turn) in jets.chunks_exact_mut(3).zip(turns) {
+                let (u, v) = (node[1], node[2]);
+                node[1] = Jet::sum(turn[0][0], &u, turn[0][1], &v);
+                node[2] = Jet::sum(turn[1][0], &u, turn[1][1], &v);
+            }
         }
+        jets
     }
 
     /// Area of the element in the parameters of its shape functions.
@@ -184,8 +226,8 @@ impl SurfaceKind {
         match self {
             Self::QuadMembrane => 1.0,
             Self::TriangleMembrane => 0.5,
-            Self::Triangle => triangle::area(chart),
-            _ => (chart[1][0] - chart[0][0]) * (chart[3][1] - chart[0][1]),
+            Self::Triangle => triangle::area(&chart.corners),
+            _ => chart.extent().iter().product(),
         }
     }
 

@@ -4,7 +4,7 @@
 //! The Bezier net of the inner triangles is linear in the nine nodal numbers (docs/theory/shell.md): it is evaluated for
 //! unit vectors. Stiff as macro elements are: for corners and fillings.
 
-use super::surface::{Chart, Jet, QuadraturePoint};
+use super::surface::{Jet, QuadraturePoint};
 
 type Row = [f64; 9];
 type Place = [f64; 2];
@@ -22,7 +22,7 @@ fn combine<const N: usize>(terms: [(f64, &Row); N]) -> Row {
 }
 
 /// Area of the triangle of parameters.
-pub(crate) fn area(p: &Chart) -> f64 {
+pub(crate) fn area(p: &[Place; 4]) -> f64 {
     let (a, b) = (minus(p[1], p[0]), minus(p[2], p[0]));
     0.5 * (a[0] * b[1] - a[1] * b[0])
 }
@@ -31,7 +31,7 @@ pub(crate) fn area(p: &Chart) -> f64 {
 type Net = [([i32; 3], Row); 10];
 
 /// Bezier nets of the three inner triangles; the one opposite to corner k has the corners (k + 1, k + 2, centroid).
-fn nets(p: &Chart) -> [Net; 3] {
+fn nets(p: &[Place; 4]) -> [Net; 3] {
     let center: Place = [0, 1].map(|c| (p[0][c] + p[1][c] + p[2][c]) / 3.0);
     let position = |i: usize| -> Row { std::array::from_fn(|k| f64::from(u8::from(k == 3 * i))) };
     // r_i + D_i(t)/3
@@ -84,7 +84,7 @@ fn nets(p: &Chart) -> [Net; 3] {
 }
 
 /// Shape functions at the weights (x, y) of corners 1 and 2.
-pub(crate) fn shape(p: &Chart, [x, y]: [f64; 2]) -> Vec<Jet> {
+pub(crate) fn shape(p: &[Place; 4], [x, y]: [f64; 2]) -> Vec<Jet> {
     let weights = [1.0 - x - y, x, y];
     // The inner triangle opposite to the corner with the least weight holds the point.
     let k = (0..3).fold(0, |best, i| if weights[i] < weights[best] { i } else { best });

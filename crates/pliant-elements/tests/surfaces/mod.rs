@@ -3,7 +3,7 @@
 
 use pliant_elements::materials::{NeoHookean, PlaneStress, SaintVenantKirchhoff, TensionField};
 use pliant_elements::{
-    Chart, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceElement, SurfaceKind, SurfaceLaw,
+    Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceElement, SurfaceKind, SurfaceLaw,
 };
 
 /// Young's modulus and thickness at which stretching and bending weigh alike.
@@ -46,8 +46,8 @@ pub fn mesh(
     let place = |node: usize| [a * (node / (m + 1)) as f64, b * (node % (m + 1)) as f64];
     let mut elements = Vec::new();
     let mut add = |nodes: &[usize]| {
-        let mut chart: Chart = [[0.0; 2]; 4];
-        for (to, &node) in chart.iter_mut().zip(nodes) {
+        let mut corners = [[0.0; 2]; 4];
+        for (to, &node) in corners.iter_mut().zip(nodes) {
             *to = place(node);
         }
         elements.push(SurfaceElement {
@@ -55,7 +55,7 @@ pub fn mesh(
                 .iter()
                 .flat_map(|&node| (0..k).map(move |s| 3 * (node * k + s) as u32))
                 .collect(),
-            chart,
+            chart: corners.into(),
             reference: nodes
                 .iter()
                 .flat_map(|&node| nodal(kind, surface, place(node)[0], place(node)[1]))

@@ -54,6 +54,12 @@ impl Arm {
         Self::new(Interpolation::fixed(value), Role::Other)
     }
 
+    /// Its affine part: all of it at nodes of surfaces.
+    #[must_use]
+    pub(crate) fn affine(&self) -> &Interpolation {
+        &self.value
+    }
+
     /// The affine vectors that it is made of.
     #[must_use]
     pub fn interpolations(&self) -> Vec<&Interpolation> {

@@ -97,7 +97,8 @@ impl Draft for Products {
 
     fn interpolations(&self) -> Vec<&Interpolation> {
         let arms = self.equations.iter().flat_map(Product::terms).flat_map(|p| [&p.u, &p.w]);
-        arms.flat_map(Arm::interpolations).collect()
+        let of_freedom = self.freedom.iter().flat_map(Freedom::interpolations);
+        arms.flat_map(Arm::interpolations).chain(of_freedom).collect()
     }
 
     fn freedom(&self) -> Option<&Freedom> {
