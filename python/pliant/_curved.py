@@ -61,7 +61,8 @@ def own_parameters(mesh: Mesh, quads: IntArray, triangles: IntArray) -> OwnParam
         along: FloatArray = slopes[i] @ chord
         cosine = np.linalg.norm(along) / np.linalg.norm(chord)
         # Of a circle of which the chord leaves the tangent by phi: cubic with its curvature in the middle.
-        return along / cosine * (2.0 / (1.0 + cosine))
+        arc: FloatArray = along / cosine * (2.0 / (1.0 + cosine))
+        return arc
 
     sizes, charts, turns = [], [], []
     for nodes in faces:

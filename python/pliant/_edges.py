@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant.errors import ModelError
 from pliant.joints import EdgeJoint
+from pliant.rigid import RigidBodyData
 from pliant.surfaces import Edge, SurfaceBody
 from pliant.typing import FloatArray, Json
 
@@ -21,6 +22,7 @@ __all__ = ["EdgeEquations", "is_held"]
 SQUARE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=np.float64)
 SMOOTH = np.cos(np.radians(30.0))  # of the angle between sides of an edge that is smooth there
 IMPLIED = 0.05  # part of an equation that others leave, below which it follows from them
+NodeKey = tuple[str, str | None, int]  # surface, what holds it, node
 Equation = tuple[FloatArray, FloatArray, FloatArray]  # weights at a, weights at b, direction
 
 
@@ -72,9 +74,9 @@ def normals(direction: FloatArray) -> list[FloatArray]:
 class EdgeEquations:
     """Equations of edge joints, node by node; those that others imply are left out."""
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
-        self._known: dict[tuple[str, int], list[FloatArray]] = defaultdict(list)
+    def __init__(self, model: Model, rigid: dict[str, int]) -> None:
+        self.model, self.rigid = model, rigid
+        self._known: dict[NodeKey, list[FloatArray]] = defaultdict(list)
 
     def of(self, joint: EdgeJoint, numbers: dict[str, int]) -> list[Json]:
         """Documents of a joint, one for each node that it holds."""
@@ -85,7 +87,7 @@ class EdgeEquations:
         for node, partner in dict(zip(joint.edge.nodes, partners, strict=True)).items():
             equations = self._at_node(joint, body, node, partner, ways.get(node, []))
             if joint.other is None:
-                equations = [e for e in equations if self._is_new((body.name, node), e)]
+                equations = [e for e in equations if self._is_new((body.name, joint.body, node), e)]
             if not equations:
                 continue
             b = None
@@ -97,6 +99,7 @@ class EdgeEquations:
                     "name": joint.name,
                     "a": {"surface": numbers[body.name], "node": int(node)},
                     "b": b,
+                    "rigid": None if joint.body is None else self._on_body(joint.body, body.r[node]),
                     "equations": [
                         {"a": a.tolist(), "b": other.tolist(), "direction": d.tolist()}
                         for a, other, d in equations
@@ -105,12 +108,18 @@ class EdgeEquations:
             )
         return documents
 
+    def _on_body(self, name: str, place: FloatArray) -> Json:
+        """Document of the point of a rigid body at a place."""
+        body = self.model._bodies[name]
+        assert isinstance(body, RigidBodyData)
+        return {"rigid": self.rigid[name], "local": (body.axes @ (place - body.position)).tolist()}
+
     def _surface(self, edge: Edge) -> SurfaceBody:
         body = self.model._bodies[edge.body]
         assert isinstance(body, SurfaceBody)
         return body
 
-    def _is_new(self, key: tuple[str, int], equation: Equation) -> bool:
+    def _is_new(self, key: NodeKey, equation: Equation) -> bool:
         """Whether no equations before imply this one."""
         row: Any = np.kron(equation[0], equation[2])
         row = np.asarray(row / np.linalg.norm(row), dtype=np.float64)
@@ -208,7 +217,7 @@ def is_held(model: Model, body: SurfaceBody, faces: tuple[int, ...]) -> bool:
             and joint.edge.body == body.name
             and joint.kind not in ("weld", "fold")
         ):
-            if joint.kind == "pin" and joint.axes:
+            if (joint.kind == "pin" and joint.axes) or joint.body is not None:
                 continue
             nodes = joint.edge.nodes
             if joint.edge.sides:

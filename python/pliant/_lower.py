@@ -295,7 +295,7 @@ class _Lowering(Sharing):
         documents: list[Json] = []
         plan = self.lowered.plan
         slides = 0
-        edges = EdgeEquations(self.model)
+        edges = EdgeEquations(self.model, self.lowered.rigid)
         for name, joint in self.model._joints.items():
             if isinstance(joint, EdgeJoint):
                 if isinstance(joint, Fold):

@@ -11,7 +11,7 @@ from pliant._mechanism import Mechanism
 from pliant.joints import EdgeJoint, axis_of
 from pliant.loads import EdgeLoad, EdgeMoment, Pressure
 from pliant.materials import Material
-from pliant.points import Handle, Joint, Load, Point, require_handle
+from pliant.points import Handle, Joint, Load, Point, RigidBody, require_handle
 from pliant.signals import as_signal
 from pliant.surfaces import Edge, Faces, Membrane, Shell, SurfaceBody, make_surface
 from pliant.typing import ArrayLike
@@ -295,6 +295,7 @@ class Sheets(Mechanism):
         *,
         other: Edge | None = None,
         axes: Any = (),
+        holder: str | None = None,
     ) -> Joint:
         """Add a joint of an edge (or of faces)."""
         self._check_part(edge, "edge")
@@ -303,7 +304,13 @@ class Sheets(Mechanism):
             nodes = sorted({int(node) for face in edge.numbers for node in body.corners(face)})
             edge = Edge(edge.identity, edge.body, tuple(nodes), ())
         point = body.node_point(self._identity, edge.nodes[0])
-        return self._add_joint(EdgeJoint(self._new_name(name, kind), point, kind, edge, other, axes))
+        name = self._new_name(name, kind)
+        return self._add_joint(EdgeJoint(name, point, kind, edge, other, axes, holder))
+
+    def _pin_to_body(self, edge: Edge, body: RigidBody, name: str | None) -> Joint:
+        """Pin an edge to a rigid body."""
+        require_handle(body, "to", self._identity)
+        return self._hold("pin", self._edge(edge, "point"), name, holder=body.name)
 
     def _weld_edges(self, a: Edge, b: Edge, name: str | None) -> Joint:
         """Join two edges with matching nodes."""

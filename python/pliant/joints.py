@@ -189,7 +189,8 @@ class EdgeJoint(Jointed):
     """An edge of a surface is held: clamped, pinned, in a plane of symmetry, or welded to another edge.
 
     ``a`` is the first node of the edge, about which the reaction's moment is told; ``axes`` are the
-    directions that a pin holds (all where there are none), or the normal of a plane of symmetry.
+    directions that a pin holds (all where there are none), or the normal of a plane of symmetry; ``body`` is
+    the rigid body that it is pinned to, in place of the world.
     """
 
     a: Point
@@ -197,6 +198,7 @@ class EdgeJoint(Jointed):
     edge: Edge
     other: Edge | None = None
     axes: tuple[Axis, ...] = ()
+    body: str | None = None
 
     def __post_init__(self) -> None:
         _check.text(self.name, "name")

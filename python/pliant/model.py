@@ -25,7 +25,7 @@ from pliant.joints import JOINTS, Clamp, Pin
 from pliant.latches import Latch
 from pliant.loads import EdgeLoad, EdgeMoment, Force, LineLoad, Moment, MovingForce, Pressure
 from pliant.materials import Material
-from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass
+from pliant.points import Cable, CableNet, Handle, Joint, Load, Point, PointMass, RigidBody
 from pliant.rigid import RigidBodyData
 from pliant.signals import Signal, as_signal
 from pliant.surfaces import Edge, Faces, SurfaceBody
@@ -371,7 +371,7 @@ class Model(Beams, Folds, Pneumatics, Touching):
         Parameters
         ----------
         point : Point, body or Edge
-            First point; or an edge of a surface, held all along.
+            First point; or an edge of a surface, held all along: it may turn about itself.
         to : Point, body or array_like, shape (3,), optional
             Second point, at the same place; None: the world, where the point starts.
         directions : array_like, shape (3,) or (k, 3), optional
@@ -397,8 +397,12 @@ class Model(Beams, Folds, Pneumatics, Touching):
         3
         """
         if isinstance(point, Edge) or directions is not None:
+            if isinstance(point, Edge) and isinstance(to, RigidBody) and directions is None:
+                return self._pin_to_body(point, to, name)
             if to is not None:
-                _check.fail("to", to, "edges and directions are pinned to the world; weld joins two edges")
+                _check.fail(
+                    "to", to, "edges are pinned to the world or to a rigid body; weld joins two edges"
+                )
             return self._pin_directions(point, directions, name)
         a, b, here = self._pair(point, to, ("point", "to"))
         self._require_together(a, b, to, "to", engaged)

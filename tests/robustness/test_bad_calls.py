@@ -74,6 +74,13 @@ def net(s: SimpleNamespace, points: Any, edges: Any, **changes: Any) -> Any:
     return s.m.add_cable_net(points, edges, **{**s.k, **changes})
 
 
+def fold(s: SimpleNamespace, **options: Any) -> object:
+    """Fold a sheet beside the sheet to it."""
+    beside = pl.Mesh(s.square.points - (1, 0, 0), s.square.quads)
+    other = s.m.add_shell(beside, thickness=0.01, material=s.k["material"])
+    return s.m.fold(s.sheet.edge("u_min"), other.edge([(0, 0, 0), (0, 1, 0)]), **options)
+
+
 def shell(s: SimpleNamespace, mesh: Any = None, **changes: Any) -> Any:
     given = {"thickness": 0.01, "material": s.k["material"], **changes}
     return s.m.add_shell(s.square if mesh is None else mesh, **given)
@@ -235,6 +242,24 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("orientation", "'up'", lambda s: s.m.drive(beam(s).end, orientation="up")),
     ("b", "beams", lambda s: s.m.add_contact(s.rope, beam(s))),
     ("shear_corrections", "(0, 1)", lambda s: pl.Section(1, (1, 1), shear_corrections=(0, 1))),
+    ("edge_b", "film", lambda s: s.m.fold(s.sheet.edge("u_min"), s.film.edge("rim"))),
+    (
+        "edge_b",
+        "as many nodes",
+        lambda s: s.m.fold(s.sheet.edge("u_min"), s.film.edge([(0, 0, 0), (0, 0.5, 0)])),
+    ),
+    ("edge_b", "1 m apart", lambda s: s.m.fold(s.sheet.edge("u_min"), s.film.edge("u_max"))),
+    ("edge_a", "rope", lambda s: s.m.fold(s.rope, s.film.edge("u_min"))),
+    (
+        "edge_a",
+        "rim",
+        lambda s: s.m.fold(s.sheet.edge([(0.5, 0, 0), (0.5, 1, 0)]), s.film.edge([(0.5, 0, 0), (0.5, 1, 0)])),
+    ),
+    ("stiffness", "-1", lambda s: fold(s, stiffness=-1.0)),
+    ("damping", "nan", lambda s: fold(s, damping=NAN)),
+    ("angle", "0.3", lambda s: fold(s, angle=0.3)),
+    ("angle", "(1, 2, 3)", lambda s: fold(s, angle=(1, 2, 3))),
+    ("to", "world or to a rigid body", lambda s: s.m.pin(s.sheet.edge("u_min"), s.rope.end)),
     # sections
     ("radius", "0", lambda s: pl.Circle(radius=0)),
     ("radius", "-1", lambda s: pl.Circle(radius=-1)),

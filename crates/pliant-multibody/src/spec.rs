@@ -635,6 +635,10 @@ pub enum JointSpec {
         b: Option<NodeSpec>,
         /// What is held.
         equations: Vec<HoldSpec>,
+        /// A point of a rigid body in place of the second node: positions are held against it, slopes against the
+        /// body's axes, each in the direction that it has at the start.
+        #[serde(default)]
+        rigid: Option<PointSpec>,
         /// The angle that two sheets make there, as the joint's freedom.
         #[serde(default)]
         fold: Option<Box<FoldSpec>>,

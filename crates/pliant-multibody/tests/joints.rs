@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use pliant_multibody::joints::hold::{Equation, hold};
-use pliant_multibody::joints::arm::Role;
+use pliant_multibody::joints::arm::{Arm, Role};
 use pliant_multibody::joints::rigidity::rigidity;
 use pliant_multibody::joints::side::{Frame, Side};
 use pliant_multibody::joints::{Draft, Joint, of_spec};
@@ -109,11 +109,17 @@ fn joints() -> Vec<(String, Box<dyn Joint>)> {
     let equation = |terms: [(usize, f64); 2], role, direction: [f64; 3]| Equation {
         value: Interpolation::weighted(terms),
         role,
-        direction: Vector3::from(direction),
+        direction: Arm::fixed(direction),
     };
     let held = vec![
         equation([(0, 1.0), (12, -1.0)], Role::Gap, [0.0, 0.6, 0.8]),
         equation([(3, 0.8), (6, -0.6)], Role::OfFirst, [1.0, 0.0, 0.0]),
+        // A slope against an axis of a body.
+        Equation {
+            value: Interpolation::weighted([(9, 0.7), (24, 0.2)]),
+            role: Role::OfFirst,
+            direction: Arm { value: vector_at(15), role: Role::Other },
+        },
     ];
     all.push(("hold".to_owned(), Box::new(hold(held, &q, None)).placed(unknowns())));
     all
@@ -292,9 +298,9 @@ fn holds_keep_what_they_find() {
     for (name, joint) in joints().into_iter().filter(|(name, _)| name == "hold") {
         let mut phi = vec![1.0; joint.equations()];
         joint.residual(Moment::at(0.0), &q, &mut phi);
-        close(&phi, &[0.0, 0.0], 1e-15, &name);
+        close(&phi, &[0.0; 3], 1e-15, &name);
         // The gap gives a force against its direction, the slope a moment along s x d.
-        let (force, moment) = joint.reaction(Moment::at(0.0), &q, &[2.0, 3.0]);
+        let (force, moment) = joint.reaction(Moment::at(0.0), &q, &[2.0, 3.0, 0.0]);
         close(&force, &[0.0, -1.2, -1.6], 1e-15, &name);
         let slope = Vector3::from_fn(|k, _| 0.8 * q[3 + k] - 0.6 * q[6 + k]);
         let couple = slope.cross(&Vector3::new(-3.0, 0.0, 0.0));

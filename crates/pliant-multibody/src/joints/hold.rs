@@ -2,12 +2,16 @@
 //! `phi_i = (sum_k w_k q_k).d_i - c_i` over the nodal vectors q_k of one node or two (one equation for each direction
 //! d_i). Constant Jacobian, zero Hessian.
 //!
+//! Against a rigid body slopes keep their components along directions that turn with the body: d_i moves, and the
+//! equation is bilinear.
+//!
 //! Clamped edges, symmetry planes, welds and folds of edges are made of it, node by node; at a node of a fold the angle
 //! between the sheets is the joint's freedom. Minus the multipliers are forces on the nodal vectors along the
 //! directions: those on positions add up to the reaction, those on slopes are moments.
 
 use super::arm::{Arm, Role};
 use super::product::{Product, Products};
+use super::side::Side;
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::fold::Fold;
@@ -15,7 +19,6 @@ use crate::freedom::Freedom;
 use crate::point::Interpolation;
 use crate::spec::{FoldSpec, JointSpec, NodalSpec, NodeSpec};
 use crate::vector::vector;
-use nalgebra::Vector3;
 
 /// One equation.
 #[derive(Clone, Debug)]
@@ -25,15 +28,15 @@ pub struct Equation {
     /// How it moves with the joint's first body.
     pub role: Role,
     /// Direction of its component, of unit length.
-    pub direction: Vector3<f64>,
+    pub direction: Arm,
 }
 
 /// A joint that holds what it finds at the coordinates `q`.
 #[must_use]
 pub fn hold(equations: Vec<Equation>, q: &[f64], freedom: Option<Freedom>) -> Products {
     let products = equations.into_iter().map(|Equation { value, role, direction }| Product {
-        constant: vector(value.at(q)).dot(&direction),
-        ..Product::orthogonal(Arm::new(value, role), Arm::fixed(direction.into()))
+        constant: vector(value.at(q)).dot(&direction.at(q)),
+        ..Product::orthogonal(Arm::new(value, role), direction)
     });
     Products::new(products.collect(), freedom)
 }
@@ -43,10 +46,11 @@ pub fn hold(equations: Vec<Equation>, q: &[f64], freedom: Option<Freedom>) -> Pr
 /// # Errors
 /// [`ModelError`] for nodes, vectors or directions that do not exist.
 pub(crate) fn of_spec(joint: &JointSpec, map: &DofMap, q: &[f64]) -> Result<Products, ModelError> {
-    let JointSpec::Hold { name, a, b, equations, fold } = joint else {
+    let JointSpec::Hold { name, a, b, equations, rigid, fold } = joint else {
         return Ok(Products::default());
     };
     let place = format!("joint '{name}'");
+    let rigid = rigid.as_ref().map(|point| map.point(point, &place)).transpose()?;
     let mut held = Vec::with_capacity(equations.len());
     for equation in equations {
         let mut all = terms(map, a, &equation.a, &place)?;
@@ -61,12 +65,25 @@ pub(crate) fn of_spec(joint: &JointSpec, map: &DofMap, q: &[f64]) -> Result<Prod
             });
         };
         let moves = equation.a.first().is_some_and(|&w| w != 0.0);
+        let (mut value, mut direction) =
+            (Interpolation::weighted(all), Arm::fixed(direction.into()));
         let role = match (moves, b) {
             (true, _) => Role::Gap,
             (false, None) => Role::OfFirst,
             _ => Role::Other,
         };
-        held.push(Equation { value: Interpolation::weighted(all), role, direction });
+        if let Some((r, frame)) = &rigid {
+            if moves {
+                value = value.minus(r);
+            } else {
+                let side = Side { r: r.clone(), frame: frame.clone(), first: false, q };
+                direction = side.direction(vector(direction.value.constant)).ok_or_else(|| {
+                    let reason = "slopes are held against rigid bodies only";
+                    ModelError::Unsupported { place: place.clone(), reason }
+                })?;
+            }
+        }
+        held.push(Equation { value, role, direction });
     }
     let freedom = fold.as_ref().map(|fold| angle(map, fold, &place)).transpose()?;
     Ok(hold(held, q, freedom))
