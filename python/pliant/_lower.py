@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant._closure import Closure
+from pliant._crease import Crease
 from pliant._edges import EdgeEquations, is_held
-from pliant._folds import Crease
 from pliant._lowered import BodyState, Input, Lowered, is_load, numbers_of, signals_of
 from pliant._sharing import Sharing
 from pliant._sides import document, is_of_lines

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pliant import _check
-from pliant._folds import Crease
+from pliant._crease import Crease
 from pliant._lookup import Lookup
 from pliant._lowered import BodyState
 from pliant.beams import BeamBody, section_axes

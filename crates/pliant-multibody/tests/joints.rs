@@ -118,7 +118,7 @@ fn joints() -> Vec<(String, Box<dyn Joint>)> {
         Equation {
             value: Interpolation::weighted([(9, 0.7), (24, 0.2)]),
             role: Role::OfFirst,
-            direction: Arm { value: vector_at(15), role: Role::Other },
+            direction: Arm::new(vector_at(15), Role::Other),
         },
     ];
     all.push(("hold".to_owned(), Box::new(hold(held, &q, None)).placed(unknowns())));
