@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-from sze import PROBLEMS, Curve, solve, table
+from verification.sze import PROBLEMS, Curve, solve, table
 
 SZE = "Sze, Liu, Lo 2004"
 
