@@ -74,8 +74,9 @@ impl Fold {
     /// Cosine and sine of the angle, times the lengths of what u and w have across t, with three time derivatives at
     /// zero jerk.
     pub(crate) fn pair(&self, x: &[f64], v: &[f64], a: &[f64]) -> (Jet, Jet) {
-        let jet =
-            |arm: &Arm| -> VectorJet { [arm.at(x), arm.rate(x, v), arm.rate(x, a), Vector3::zeros()] };
+        let jet = |arm: &Arm| -> VectorJet {
+            [arm.at(x), arm.rate(x, v), arm.rate(x, a), Vector3::zeros()]
+        };
         let (t, u, w) = (unit(&jet(&self.t)), jet(&self.u), jet(&self.w));
         let cross: VectorJet =
             leibniz(&u, &w, |c, a: Vector3<f64>, b: Vector3<f64>| a.cross(&b) * c);
@@ -135,7 +136,9 @@ mod tests {
     use crate::joints::arm::Role;
 
     fn fold() -> Freedom {
-        let arm = |terms: &[(usize, f64)]| Arm::new(Interpolation::weighted(terms.iter().copied()), Role::Other);
+        let arm = |terms: &[(usize, f64)]| {
+            Arm::new(Interpolation::weighted(terms.iter().copied()), Role::Other)
+        };
         Freedom::Fold(Fold {
             t: arm(&[(0, 0.7), (3, -0.4)]),
             u: arm(&[(6, 1.2)]),

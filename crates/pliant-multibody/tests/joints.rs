@@ -1,8 +1,8 @@
 //! Every joint: Jacobian, Hessian, acceleration and jerk against finite differences; action equals reaction.
 
 use nalgebra::Vector3;
-use pliant_multibody::joints::hold::{Equation, hold};
 use pliant_multibody::joints::arm::{Arm, Role};
+use pliant_multibody::joints::hold::{Equation, hold};
 use pliant_multibody::joints::rigidity::rigidity;
 use pliant_multibody::joints::side::{Frame, Side};
 use pliant_multibody::joints::{Draft, Joint, of_spec};

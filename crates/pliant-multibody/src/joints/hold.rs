@@ -77,10 +77,11 @@ pub(crate) fn of_spec(joint: &JointSpec, map: &DofMap, q: &[f64]) -> Result<Prod
                 value = value.minus(r);
             } else {
                 let side = Side { r: r.clone(), frame: frame.clone(), first: false, q };
-                direction = side.direction(vector(direction.value.constant)).ok_or_else(|| {
-                    let reason = "slopes are held against rigid bodies only";
-                    ModelError::Unsupported { place: place.clone(), reason }
-                })?;
+                direction =
+                    side.direction(vector(direction.affine().constant)).ok_or_else(|| {
+                        let reason = "slopes are held against rigid bodies only";
+                        ModelError::Unsupported { place: place.clone(), reason }
+                    })?;
             }
         }
         held.push(Equation { value, role, direction });

@@ -53,7 +53,7 @@ impl Face {
             let reference = map.reference_of(face);
             let chart = &face.chart;
             let last = face.kind.corners() - 1;
-            let side = |to: usize| [0, 1].map(|c| chart[to][c] - chart[0][c]);
+            let side = |to: usize| [0, 1].map(|c| chart.corners[to][c] - chart.corners[0][c]);
             let (x, y) = (side(1), side(last));
             let rule: Vec<(Vec<f64>, f64)> = places(face.kind.corners())
                 .into_iter()
