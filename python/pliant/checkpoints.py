@@ -84,6 +84,7 @@ def write(path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
         rows: Records = getattr(checkpoint, place)
         arrays |= {f"{place}.{name}": np.asarray(column) for name, column in rows.columns()}
         arrays[f"{place}.history"] = rows.history
+        arrays[f"{place}.patches"] = np.asarray(rows.patches)
     from hashlib import sha256
 
     buffer = io.BytesIO()

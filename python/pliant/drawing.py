@@ -34,6 +34,7 @@ __all__ = [
     "Solid",
     "Surface",
     "arrows",
+    "contact_arrows",
     "draw",
     "frames_of",
     "joint_points",
@@ -130,7 +131,10 @@ class Marker:
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """A force over time: kind "force" or "reaction", feet (frames, 3) [m], vectors (frames, 3) [N]."""
+    """A force over time: kind "force", "reaction" or "contact", feet (frames, 3) [m], vectors (frames, 3) [N].
+
+    Those of contact are on the first of the two bodies; where nothing touches they vanish.
+    """
 
     name: str
     kind: str
@@ -353,7 +357,21 @@ def arrows(result: Result, frames: IntArray) -> list[Arrows]:
             reaction = part.reaction(Joint(name, model.identity))
             feet = result._at(joint.points()[0], rows.q)
             found.append(Arrows(name, "reaction", feet, reaction.force, reaction.moment))
-    return found
+    return found + contact_arrows(result, frames)
+
+
+def contact_arrows(result: Result, frames: IntArray) -> list[Arrows]:
+    """Forces of contact: as many arrows as there are patches at once, the strongest first."""
+    touching = [result._patches(rows) for rows in result._patch_rows(frames)]
+    most = max((len(patches) for patches in touching), default=0)
+    feet, vectors = np.zeros((2, most, len(frames), 3))
+    for f, patches in enumerate(touching):
+        for k, patch in enumerate(sorted(patches, key=lambda patch: -patch.normal_force)):
+            feet[k, f], vectors[k, f] = patch.point, patch.force
+    return [
+        Arrows(f"contact {k + 1}", "contact", feet[k], vectors[k], np.zeros_like(vectors[k]))
+        for k in range(most)
+    ]
 
 
 def _followed(result: Result, load: Force, q: FloatArray, vectors: FloatArray) -> FloatArray:

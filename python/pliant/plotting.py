@@ -18,6 +18,7 @@ from pliant.drawing import (
     Lines,
     Solid,
     Surface,
+    contact_arrows,
     draw,
     frames_of,
     joint_points,
@@ -38,6 +39,7 @@ SHOWN = 9  # times in one picture
 SHOWN_OF_NETS = 3  # where there are many strands, or solids and surfaces
 LIGHT = np.array([-0.35, -0.5, 0.8]) / np.linalg.norm([-0.35, -0.5, 0.8])
 MAP = "viridis"
+FORCE = "#e08714"
 
 
 def _matplotlib() -> ModuleType:
@@ -76,6 +78,10 @@ class Picture:
 
         self.drawings = draw(result, frames, color)
         self.joints = joint_points(result, frames)
+        self.pushes = contact_arrows(result, frames)
+        self.push = max(
+            (float(np.linalg.norm(one.vectors, axis=1).max()) for one in self.pushes), default=0.0
+        )
         self.up = up_of(result)
         self.key = color if isinstance(color, str) else "color"
         self.cycle = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
@@ -160,8 +166,24 @@ class Picture:
         if joints and self.joints:
             places = np.array([place[frame] for place in self.joints.values()])
             self._dots(places, "D", "#39424e", 0.9, 3.5, None)
+        self._arrows(frame, strength)
         known = set(map(id, before))
         self.artists += [artist for artist in self.axes.get_children() if id(artist) not in known]
+
+    def _arrows(self, frame: int, strength: float) -> None:
+        """Draw forces of contact on the first body, the largest of the motion an eighth of the picture."""
+        pressing = [one for one in self.pushes if one.vectors[frame].any()]
+        if not pressing:
+            return
+        feet = np.array([one.feet[frame] for one in pressing])[:, self.shown]
+        vectors = np.array([one.vectors[frame] for one in pressing])[:, self.shown]
+        vectors = vectors * (self.size / 8 / self.push)
+        look: dict[str, Any] = {"color": FORCE, "alpha": strength, "zorder": 6}
+        if self.in_space:
+            self.axes.quiver(*feet.T, *vectors.T, arrow_length_ratio=0.3, linewidth=1.2, **look)
+        else:
+            look |= {"angles": "xy", "scale_units": "xy", "scale": 1, "width": 0.004}
+            self.axes.quiver(*feet.T, *vectors.T, **look)
 
     def _value(self, drawing: Drawing, frame: int) -> FloatArray | None:
         if self.norm is None or self.key not in drawing.values:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BeamStrain",
+    "ContactPatch",
     "CriticalPoint",
     "Energy",
     "JointMotion",
@@ -167,6 +168,40 @@ class SurfaceStrain:
     membrane: FloatArray
     bending: FloatArray
     regime: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPatch:
+    """A place where two bodies touch.
+
+    Attributes
+    ----------
+    point : ndarray, shape (3,)
+        Where the surfaces meet [m].
+    normal : ndarray, shape (3,)
+        Unit vector along which the two are pressed apart, towards the first body.
+    gap : float
+        Smallest distance of the surfaces, negative: they overlap [m].
+    normal_force : float
+        Pressure integrated over the patch [N].
+    friction_force : ndarray, shape (3,)
+        Friction on the first body [N]; the other feels the opposite.
+    bodies : tuple of str
+        Names of the two, in the order of :meth:`pliant.Model.add_contact`.
+    """
+
+    point: FloatArray
+    normal: FloatArray
+    gap: float
+    normal_force: float
+    friction_force: FloatArray
+    bodies: tuple[str, str]
+
+    @property
+    def force(self) -> FloatArray:
+        """Whole force on the first body [N], (3,)."""
+        total: FloatArray = self.normal_force * self.normal + self.friction_force
+        return total
 
 
 @dataclass(frozen=True)

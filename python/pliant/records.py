@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, Protocol
 
@@ -12,9 +12,11 @@ from pliant._lowered import BodyState
 from pliant.model import Model
 from pliant.typing import FloatArray, IntArray
 
-__all__ = ["Records", "Rows", "State", "StoredRows", "by_blocks"]
+__all__ = ["PATCH", "Records", "Rows", "State", "StoredRows", "by_blocks"]
 
 BLOCK = 1 << 25  # bytes of stored rows that are in memory at a time
+PATCH = 12  # numbers of a patch
+TABLES = ("history", "patches")  # what has not one row an output
 
 
 class StoredRows(Protocol):
@@ -37,7 +39,8 @@ class Records:
     """Raw rows of a run, one an output: in memory, or read from a file when asked for.
 
     ``history`` has a row for each time a joint was engaged or released, ``switches`` tells how many of them
-    lie before each output.
+    lie before each output. ``patches`` has a row for each place that touches at an output: number of the
+    contact, point, normal, gap, normal force, friction force; ``touching`` tells how many each output has.
     """
 
     time: FloatArray
@@ -49,19 +52,44 @@ class Records:
     inputs: Rows
     outputs: Rows
     switches: FloatArray = field(default_factory=lambda: np.zeros(0))
+    touching: FloatArray = field(default_factory=lambda: np.zeros(0))
     history: FloatArray = field(default_factory=lambda: np.zeros((0, 5)))
+    patches: Rows = field(default_factory=lambda: np.zeros((0, PATCH)))
 
     def __post_init__(self) -> None:
-        if len(self.switches) != len(self.time):
-            object.__setattr__(self, "switches", np.zeros(len(self.time)))
+        for name in ("switches", "touching"):
+            if len(getattr(self, name)) != len(self.time):
+                object.__setattr__(self, name, np.zeros(len(self.time)))
 
     def columns(self) -> Iterator[tuple[str, Rows]]:
         """Give names and rows of all that has one row an output."""
-        return ((entry.name, getattr(self, entry.name)) for entry in fields(self) if entry.name != "history")
+        return ((entry.name, getattr(self, entry.name)) for entry in fields(self) if entry.name not in TABLES)
 
     def __getitem__(self, rows: slice | IntArray) -> Records:
         """Read some of the rows."""
-        return Records(**{name: column[rows] for name, column in self.columns()}, history=self.history)
+        columns = {name: column[rows] for name, column in self.columns()}
+        return Records(**columns, history=self.history, patches=self.patches_of(rows))
+
+    def patches_of(self, rows: slice | IntArray) -> FloatArray:
+        """Read the patches of some of the rows, one row after the other."""
+        ends = np.cumsum(self.touching).astype(np.int64)
+        index = np.arange(len(self.time))[rows]
+        if not len(index) or not len(ends) or not ends[-1]:
+            return np.zeros((0, PATCH))
+        first = ends[index] - self.touching[index].astype(np.int64)
+        if np.all(np.diff(index) == 1):
+            return self.patches[int(first[0]) : int(ends[index[-1]])]
+        pieces = [self.patches[int(i) : int(j)] for i, j in zip(first, ends[index], strict=True)]
+        return np.concatenate(pieces)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Records]) -> Records:
+        """Join records that follow each other."""
+        if len(parts) == 1:
+            return parts[0]
+        names = [name for name, _ in parts[0].columns()] + ["patches"]
+        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        return cls(**columns, history=parts[-1].history)
 
 
 def by_blocks(function: Callable[..., Any], *columns: Rows, rows: slice | IntArray = slice(None)) -> Any:

@@ -110,6 +110,16 @@ def solve_static(
     ['limit', 'limit']
     """
     model = require_model(model)
+    for contact in model._contacts.values():
+        if contact.friction is not None:
+            # What friction carries at rest depends on how the rest was reached, and a search passes through
+            # states that no motion would.
+            fault = (
+                f"contact '{contact.name}' has friction: at rest many equilibria are possible, and only the way "
+                "there tells which. Let the model come to rest with simulate, or solve one without friction and "
+                "start from it"
+            )
+            _check.fail("model", model, fault)
     arc_length = _check.flag(arc_length, "arc_length")
     load_steps = (
         (ARC_STEPS if arc_length else 1) if load_steps is None else _check.count(load_steps, "load_steps")

@@ -35,6 +35,7 @@ from pliant.points import Handle, Joint, Load, Point, PointMass
 from pliant.readings import (
     BeamStrain,
     ChamberGas,
+    ContactPatch,
     Energy,
     JointMotion,
     Reaction,
@@ -401,6 +402,19 @@ class Stepper:
         """Energies [J]."""
         return _only(self._now.energy)
 
+    def contact_force(self, a: Handle | str, b: Handle | str | None = None) -> FloatArray:
+        """Force that contact exerts on a body, from another or from all it touches [N], (3,)."""
+        return _only(self._now.contact_force(a, b))
+
+    def contact_impulse(self, a: Handle | str, b: Handle | str | None = None) -> FloatArray:
+        """Integral of :meth:`contact_force` over every step so far [N s], (3,)."""
+        return _only(self._now.contact_impulse(a, b))
+
+    @property
+    def contacts(self) -> list[ContactPatch]:
+        """Where bodies touch, and the forces there; see :attr:`pliant.Result.contacts`."""
+        return _only(self._now.contacts)
+
     @property
     def momentum(self) -> FloatArray:
         """Linear momentum [kg m/s], (3,)."""
@@ -556,13 +570,8 @@ class Stepper:
             return load_records(self._stream.path)
         chunks = [*self._chunks, as_records(self._integrator.records())]
         chunks = [chunk for chunk in chunks if len(chunk.time)] or chunks[-1:]
-        if len(chunks) > 1:
-            names = [entry.name for entry in dataclasses.fields(Records) if entry.name != "history"]
-            joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
-            joined["history"] = chunks[-1].history
-            chunks = [Records(**joined)]
-        self._chunks = chunks
-        return chunks[0]
+        self._chunks = [Records.joined(chunks)]
+        return self._chunks[0]
 
     def _forget(self) -> None:
         self._integrator.records()

@@ -27,7 +27,7 @@ from pliant.surfaces import SurfaceBody
 
 __all__ = ["facts", "is_result", "load", "load_records", "save"]
 
-ROWS = ("records/", "blocks/", "history", "statistics")
+ROWS = ("records/", "blocks/", "history", "patches", "statistics")
 
 
 def facts(rows: Lookup, *, static: bool) -> dict[str, Any]:

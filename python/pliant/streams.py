@@ -19,12 +19,12 @@ import numpy as np
 
 from pliant.errors import FileError
 from pliant.files import atomic
-from pliant.records import Records
+from pliant.records import PATCH, Records, Rows
 from pliant.typing import FloatArray, IntArray
 
 __all__ = ["FORMAT", "SIGNATURE", "VERSION", "Stream", "h5py_module", "open_result", "read_records"]
 
-FORMAT, VERSION = "pliant-result", 5
+FORMAT, VERSION = "pliant-result", 6
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 BLOCK = 1 << 22  # bytes of rows in memory before they go to disk
 SECONDS = 2.0  # or the time after which they do
@@ -42,6 +42,7 @@ COLUMNS: Mapping[str, tuple[str, str]] = {
     "inputs": ("values of the inputs", ""),
     "outputs": ("what springs and other forces show", ""),
     "switches": ("rows of history before each output", ""),
+    "touching": ("rows of patches of each output", ""),
 }
 
 
@@ -92,7 +93,7 @@ class Stream:
         self._bytes = 0
         self._flushed_at = time.monotonic()
         self._file: Any = None
-        self.rows = 0
+        self.rows = self.patches = 0
         self._begin()
         self.add(first)
 
@@ -132,6 +133,14 @@ class Stream:
         # Joints that were engaged or released: few rows, which may become wider.
         file.create_dataset(
             "history", shape=(0, 0), maxshape=(None, None), chunks=(16, 16), dtype="<f8", fletcher32=True
+        )
+        file.create_dataset(
+            "patches",
+            shape=(0, PATCH),
+            maxshape=(None, PATCH),
+            chunks=(512, PATCH),
+            dtype="<f8",
+            fletcher32=True,
         )
         file["statistics"] = _padded("{}")
 
@@ -191,8 +200,14 @@ class Stream:
         if len(history) > len(self._file["history"]):
             self._file["history"].resize(history.shape)
             self._file["history"][...] = history
+        patches = np.concatenate([np.asarray(rows.patches) for rows in self._waiting])
+        if len(patches):
+            # What a writer that was killed had left behind its last block is written over.
+            self._file["patches"].resize(self.patches + len(patches), axis=0)
+            self._file["patches"][self.patches :] = patches
         self._file.flush()
         self.rows += len(joined)
+        self.patches += len(patches)
         end, digest = (self._file[f"blocks/{name}"] for name in ("end", "digest"))
         k = len(end)
         digest.resize(k + 1, axis=0)
@@ -204,7 +219,7 @@ class Stream:
 
     def restart(self) -> None:
         """Forget all rows."""
-        self._waiting, self._bytes, self.rows = [], 0, 0
+        self._waiting, self._bytes, self.rows, self.patches = [], 0, 0, 0
         self.close()
         self._begin()
 
@@ -289,6 +304,25 @@ class FileRows:
             raise FileError(f"{self._path}: cannot be read: {error}") from error
 
 
+class FilePatches:
+    """Rows of the table of patches of a result file, read when asked for."""
+
+    def __init__(self, path: Path, rows: int) -> None:
+        self._path = path
+        self.shape = (rows, PATCH)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> FloatArray:
+        try:
+            with open_result(self._path) as file:
+                rows: FloatArray = file["patches"][key]
+                return rows
+        except (OSError, KeyError, ValueError, RuntimeError) as error:
+            raise FileError(f"{self._path}: cannot be read: {error}") from error
+
+
 def read_records(path: str | os.PathLike[str], file: Any, rows: int | None = None) -> Records:
     """Rows of an open file, at most so many: in memory where they are few, else read when asked for."""
     ends, digests = file["blocks/end"][()], file["blocks/digest"][()]
@@ -311,7 +345,7 @@ def read_records(path: str | os.PathLike[str], file: Any, rows: int | None = Non
         if rows > n:
             raise FileError(f"{path}: has {n} rows, not {rows}: it is not what the run wrote")
         n = rows
-    for name in ("time", "switches"):
+    for name in ("time", "switches", "touching"):
         pieces = columns[name]._pieces(0, n) if n else ()
         columns[name] = np.concatenate([np.zeros(0), *pieces])
     history = file["history"][()]
@@ -321,4 +355,10 @@ def read_records(path: str | os.PathLike[str], file: Any, rows: int | None = Non
         for column in columns.values():
             if isinstance(column, FileRows):
                 column.shape = (n, column.shape[1])
-    return Records(**columns, history=history if history.size else np.zeros((0, 5)))
+    count = int(columns["touching"].sum())
+    if count > len(file["patches"]):
+        raise FileError(f"{path}: is damaged: there are {len(file['patches'])} patches, not {count}")
+    patches: Rows = FilePatches(place, count)
+    if 8 * PATCH * count <= IN_MEMORY:
+        patches = file["patches"][:count]
+    return Records(**columns, history=history if history.size else np.zeros((0, 5)), patches=patches)

@@ -54,7 +54,7 @@ def export_vtk(result: Result, folder: str | os.PathLike[str]) -> Path:
         for k, output in enumerate(frames):
             parts = {part: [d for d in drawings if isinstance(d, kind)] for part, kind in PARTS.items()}
             pieces = {part: _joined(some, k, numbers) for part, some in parts.items() if some}
-            if vectors:
+            if any(one.kind != "contact" or one.vectors[k].any() for one in vectors):
                 pieces["forces"] = _forces(vectors, k)
             for number, (part, piece) in enumerate(pieces.items()):
                 name = f"{part}_{int(output):0{digits}d}.vtu"
@@ -104,10 +104,13 @@ def _joined(drawings: list[Any], frame: int, numbers: dict[str, int]) -> dict[st
 
 def _forces(vectors: list[Any], frame: int) -> dict[str, Any]:
     """Give forces and reactions as vectors at points."""
+    # Of contact only what presses at this time.
+    vectors = [one for one in vectors if one.kind != "contact" or one.vectors[frame].any()]
     data = {
-        "force": np.array([one.vectors[frame] for one in vectors]),
-        "moment": np.array([one.moments[frame] for one in vectors]),
+        "force": np.array([one.vectors[frame] for one in vectors]).reshape(-1, 3),
+        "moment": np.array([one.moments[frame] for one in vectors]).reshape(-1, 3),
         "is_reaction": np.array([float(one.kind == "reaction") for one in vectors]),
+        "is_contact": np.array([float(one.kind == "contact") for one in vectors]),
     }
-    feet = np.array([one.feet[frame] for one in vectors])
+    feet = np.array([one.feet[frame] for one in vectors]).reshape(-1, 3)
     return {"points": feet, "cells": [("vertex", np.arange(len(feet))[:, None])], "point_data": data}

@@ -19,6 +19,7 @@ SMALL = {
         "cases": ("walks: lag of a quarter",),
     },
     "bungee": {"jump": {"elements": 20, "step": 4e-3}, "drop": {"elements": 50, "step": 2e-3}},
+    "contact_zones": {"elements": 24, "samples": 1500, "duration": 0.01},
     "crossing_ropes": {"elements": (6, 12, 24), "steps": (1e-3, 5e-4, 2.5e-4), "duration": 0.05},
     "buckling_strut": {"elements": 10, "pushes": (1e-2, 1e-6)},
     "cable_robot": {"elements": 2, "duration": 2.5},
@@ -403,6 +404,20 @@ def test_sleeping_tops_lean_as_far_as_energy_and_momentum_let_them(examples, rec
             assert lean < 3e-3
 
 
+def test_contact_zones_are_those_of_the_samples(examples, record):
+    _, zones = examples["contact_zones"]
+    # Six crossings, one after the other.
+    assert max(map(len, zones.found)) == 6
+    for found, sampled in zip(zones.found, zones.sampled, strict=True):
+        # Zones shorter than the distance of the samples, 1 mm, are a micrometre deep: g = s^2/(8 R).
+        deep = [[gap for gap in gaps if gap < -4e-6] for gaps in (found, sampled)]
+        assert len(deep[0]) == len(deep[1])
+        # The samples are half a millimetre off at most, the polyline's chords 1e-7.
+        np.testing.assert_allclose(*deep, atol=6e-6)
+    # Trapezoid over the steps against the scheme's own mean, through the blows.
+    assert record("example contact zones, impulse over momentum", zones.balance + 1, 1.0, 0.01)
+
+
 def test_crossing_ropes_converge(examples, record):
     _, crossing = examples["crossing_ropes"]
     # Only what Newton's iteration leaves is lost.
@@ -410,14 +425,19 @@ def test_crossing_ropes_converge(examples, record):
     # Less than a hundredth, and less with shorter steps.
     assert record("example crossing ropes, energy drift at 1 ms", crossing.gaps[0], 0.0, 0.01)
     assert crossing.gaps[-1] < crossing.gaps[0]
-    whole = np.linalg.norm(crossing.by_elements[-1])
     mesh, step = (
-        np.linalg.norm(impulses[:-1] - impulses[-1], axis=1) / whole
-        for impulses in (crossing.by_elements, crossing.by_step)
+        np.linalg.norm(places[:-1] - places[-1], axis=2).max(axis=1)
+        for places in (crossing.by_elements, crossing.by_step)
     )
-    # Six elements cannot follow the bend at the blow, twelve can; steps are cut there, whatever the step.
-    assert mesh[1] < 0.5 * mesh[0] < 0.01
-    assert step.max() < 2e-3
+    # The ropes move by some 80 mm. Six elements cannot follow the bend at the blow; steps are cut there.
+    assert record(
+        "example crossing ropes, ends and middles, 12 elements against 24", mesh[1], 0.0, 2e-4, unit="m"
+    )
+    assert mesh[1] < 0.3 * mesh[0]
+    assert record(
+        "example crossing ropes, ends and middles, 0.5 ms against 0.25", step[1], 0.0, 2e-5, unit="m"
+    )
+    assert step[1] < 0.5 * step[0]
 
 
 def test_the_quadruped_sets_off_as_it_should(examples, record):

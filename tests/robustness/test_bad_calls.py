@@ -111,6 +111,12 @@ def arm() -> Any:
     return pl.sdi.cone(0.2, 0.03, 0.02, 1e6)
 
 
+def rubbing() -> Any:
+    model = scenery().m
+    model.add_contact(model["rope"], model["net1"], friction=pl.Coulomb(0.3))
+    return model
+
+
 def bare() -> Any:
     return pl.sdi.Body(0.1, lambda x: 1e-3 * (1 + x))
 
@@ -320,6 +326,7 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("b", "contact1", lambda s: s.m.add_contact(s.rope)),
     ("stiffness", "0", lambda s: s.m.add_contact(s.rope, s.net, stiffness=0)),
     ("damping", "-1", lambda s: s.m.add_contact(s.rope, s.net, damping=-1)),
+    ("model", "simulate", lambda s: pl.solve_static(rubbing())),
     ("friction", "0.3", lambda s: s.m.add_contact(s.rope, s.net, friction=0.3)),
     ("bodies", "Cable", lambda s: s.m.add_contacts(s.rope)),
     ("bodies[1]", "3", lambda s: s.m.add_contacts([s.rope, 3])),

@@ -7,6 +7,8 @@ import itertools
 import numpy as np
 import pliant as pl
 import pytest
+from scipy.integrate import cumulative_simpson
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 GRAVITY = 9.81
@@ -241,3 +243,188 @@ def test_contacts_travel_with_copies_and_files(tmp_path):
     one, other = (pl.simulate(m, duration=0.01, step=5e-4) for m in (model.copy(), again))
     np.testing.assert_array_equal(one.positions("high"), other.positions("high"))
     assert "low with ground, no friction" in str(model)
+
+
+def test_statics_refuses_friction():
+    model, *_ = crossing(friction=pl.Coulomb(0.3), duration=1e-3)
+    with pytest.raises(pl.ModelError, match="'contact1' has friction"):
+        pl.solve_static(model)
+
+
+def test_records_of_contact_add_up(tmp_path):
+    _, low, high, result = crossing(friction=pl.LuGre(0.5, 0.4), along=0.7)
+    contacts = result.contacts
+    assert len(contacts) == len(result.time)
+    assert not contacts[0]
+    touching = [k for k, patches in enumerate(contacts) if patches]
+    force = result.contact_force(low)
+    np.testing.assert_array_equal(touching, np.flatnonzero(np.abs(force).sum(axis=1)))
+    for k in touching:
+        [patch] = contacts[k]
+        assert patch.bodies == ("low", "high")
+        assert patch.gap < 0.0
+        assert np.linalg.norm(patch.normal) == pytest.approx(1.0)
+        # Along the zone the normal turns, by its half angle of a tenth: friction need not be normal to the mean.
+        assert abs(patch.friction_force @ patch.normal) < 0.02 * patch.normal_force
+        # Pressures along the zone lean apart by as much: their sum is shorter, by a tenth squared over two.
+        np.testing.assert_allclose(patch.force, force[k], atol=0.01 * patch.normal_force)
+        # Friction is at most the static part of the normal force, but for bristles' damping at the blow.
+        assert np.linalg.norm(patch.friction_force) <= 0.55 * patch.normal_force
+        # The point lies between both centre lines, a radius from each, less half of the penetration.
+        for body in (low, high):
+            line = result.positions(body)[k]
+            a, b = line[:-1], line[1:]
+            part = np.clip(np.einsum("ij,ij->i", patch.point - a, b - a) / ((b - a) ** 2).sum(1), 0, 1)
+            distance = np.linalg.norm(a + part[:, None] * (b - a) - patch.point, axis=1).min()
+            assert distance == pytest.approx(5e-3, abs=1e-3)
+    path = tmp_path / "run.h5"
+    result.save(path)
+    for again in (pl.Result.load(path), result._part(result._records[np.arange(len(result.time))])):
+        for ours, theirs in zip(contacts, again.contacts, strict=True):
+            assert [patch.normal_force for patch in ours] == [patch.normal_force for patch in theirs]
+    np.testing.assert_array_equal(result._records[3:9].touching, result._records.touching[3:9])
+    assert result._part(result._records[touching[-3:]]).contacts[-1][0].gap == contacts[touching[-1]][0].gap
+
+
+def test_records_of_contact_stream_and_resume(tmp_path):
+    model, *_ = crossing(friction=pl.LuGre(0.5, 0.4), duration=1e-3)
+    whole = pl.simulate(model, duration=0.03, step=5e-4)
+    pl.simulate(model, duration=0.03, step=5e-4, output=tmp_path / "run.h5")
+    streamed = pl.Result.load(tmp_path / "run.h5")
+    stepper = pl.Stepper(model, step=5e-4, record_every=1)
+    stepper.advance(30)
+    stepper.save(tmp_path / "half")
+    again = pl.Stepper.load(tmp_path / "half")
+    again.advance(30)
+    assert sum(map(len, whole.contacts)) > 10
+    for other in (streamed, again.result):
+        assert [[p.normal_force for p in row] for row in other.contacts] == [
+            [p.normal_force for p in row] for row in whole.contacts
+        ]
+    assert [p.gap for p in again.contacts] == [p.gap for p in whole.contacts[-1]]
+
+
+def test_a_long_zone_is_one_record(record):
+    result, rope, weight = on_a_slope()
+    patch = max(result.contacts[-1], key=lambda patch: patch.normal_force)
+    # A zone that runs over ten elements, and the two ends, which count apart.
+    assert sum(p.normal_force > 0.5 * weight for p in result.contacts[-1]) == 1
+    total = sum(p.normal_force for p in result.contacts[-1])
+    assert record("rope at rest, sum of contact records over weight", total / weight, 1.0, 1e-6)
+    assert patch.bodies == (rope.name, "obstacle1")
+    # The middle of the rope, on the ground.
+    np.testing.assert_allclose(patch.point, [0.5, 0.0, 0.0], atol=1e-3)
+
+
+def test_contact_is_drawn(tmp_path):
+    _, _, _, result = crossing(duration=0.02)
+    figure = result.plot()
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+    plain = len([c for c in figure.axes[0].collections if isinstance(c, Line3DCollection)])
+    # Two ropes at each time, and an arrow wherever they touch.
+    assert plain > 2 * 9
+    result.export_html(tmp_path / "page.html")
+    assert '"kind": "contact"' in (tmp_path / "page.html").read_text()
+    pytest.importorskip("meshio")
+    result.export_vtk(tmp_path / "vtk")
+    assert list((tmp_path / "vtk").glob("forces_*.vtu"))
+
+
+def test_several_zones_of_one_pair():
+    # A wave lies across a straight rope.
+    model = pl.Model(gravity=(0, 0, -GRAVITY))
+    soft = pl.LinearElastic(youngs_modulus=5e6, poisson_ratio=0.4, density=1200.0, retardation_time=2e-3)
+    thin = pl.Circle(radius=5e-3)
+    low = model.add_cable([(0, 0, 0), (1, 0, 0)], elements=20, section=thin, material=soft)
+    for end in (low.start, low.end):
+        model.clamp(end)
+    x = np.linspace(0, 1, 4001)
+    speed = np.hypot(1.0, 0.3 * np.pi * np.cos(6 * np.pi * x))
+    s = cumulative_simpson(speed, x=x, initial=0)
+    points = np.stack([x, 0.05 * np.sin(6 * np.pi * x), np.full_like(x, 0.0099)], axis=1)
+    wave = pl.Curve(CubicSpline(s, points), length=s[-1])
+    high = model.add_cable(wave, elements=40, section=thin, material=soft, rest="straight")
+    model.add_contact(low, high)
+    result = pl.simulate(model, duration=2e-3, step=1e-3)
+    # Five crossings inside; the ends lie on the axis, too.
+    zones = [patch.point[0] for patch in result.contacts[-1]]
+    inner = [x for x in zones if 0.05 < x < 0.95]
+    np.testing.assert_allclose(np.sort(inner), np.arange(1, 6) / 6, atol=5e-3)
+
+
+def test_parallel_ropes_share_the_load(record):
+    # One rope lies along another: the zone is as long as both, and the line load is the weight.
+    model = pl.Model(gravity=(0, 0, -GRAVITY))
+    soft = pl.LinearElastic(youngs_modulus=5e6, poisson_ratio=0.4, density=1200.0, retardation_time=2e-3)
+    kind = {"section": pl.Circle(radius=5e-3), "material": soft}
+    low = model.add_cable([(0, 0, 5e-3), (0.4, 0, 5e-3)], elements=5, **kind)
+    high = model.add_cable([(0, 0, 15e-3), (0.4, 0, 15e-3)], elements=4, **kind)
+    ground = model.add_obstacle(pl.HalfSpace())
+    model.add_contact(low, ground)
+    model.add_contact(low, high)
+    result = pl.simulate(model, duration=0.4, step=1e-3)
+    weight = np.pi * 25e-6 * 1200.0 * 0.4 * GRAVITY
+    # In an unstable equilibrium exactly on top of each other, at rest but for what still hums.
+    force = result.contact_force(high, low)[-1, 2]
+    assert record("parallel ropes, force over weight", force / weight, 1.0, 1e-4)
+    assert record(
+        "parallel ropes, force on the ground over weights",
+        result.contact_force(low, ground)[-1, 2] / (2 * weight),
+        1.0,
+        1e-4,
+    )
+
+
+@pytest.mark.parametrize("degrees", [90.0, 40.0])
+def test_an_end_hits_head_on(degrees):
+    # The free end of a rope flies at the ground.
+    angle = np.radians(degrees)
+    model = pl.Model()
+    soft = pl.LinearElastic(youngs_modulus=5e6, poisson_ratio=0.4, density=1200.0, retardation_time=1e-3)
+    along = np.array([np.cos(angle), 0.0, np.sin(angle)])
+    low = np.array([0.0, 0.0, 5.5e-3])
+    rope = model.add_cable(
+        [low, low + 0.2 * along],
+        elements=8,
+        section=pl.Circle(radius=5e-3),
+        material=soft,
+        velocity=(0, 0, -0.5),
+    )
+    ground = model.add_obstacle(pl.HalfSpace())
+    model.add_contact(rope, ground)
+    result = pl.simulate(model, duration=0.03, step=2.5e-4)
+    assert result.positions(rope)[:, 0, 2].min() > 0.5 * 5e-3
+    assert result.contact_impulse(rope)[-1, 2] > 0.0
+    energy = result.energy
+    # The audit of a blow closes as everywhere.
+    assert np.ptp(energy.total) < 0.01 * energy.kinetic[0]
+
+
+def test_a_bundle_holds_together(record):
+    # Seven ropes in a hexagonal bundle fall on the ground; nothing passes through anything, momentum is accounted for.
+    model = pl.Model(gravity=(0, 0, -GRAVITY))
+    soft = pl.LinearElastic(youngs_modulus=5e6, poisson_ratio=0.4, density=1200.0, retardation_time=2e-3)
+    radius = 5e-3
+    ropes = []
+    for k in range(7):
+        angle = np.pi / 3 * k
+        place = np.zeros(2) if k == 6 else 2.02 * radius * np.array([np.cos(angle), np.sin(angle)])
+        y, z = place + [0.0, 3.2 * radius]
+        ropes.append(
+            model.add_cable(
+                [(0, y, z), (0.2, y, z)], elements=4, section=pl.Circle(radius=radius), material=soft
+            )
+        )
+    ground = model.add_obstacle(pl.HalfSpace())
+    model.add_contacts([*ropes, ground], friction=pl.LuGre(0.6, 0.5))
+    result = pl.simulate(model, duration=0.3, step=1e-3)
+    middles = np.array([result.track(rope.at(0.1)).position[-1] for rope in ropes])
+    apart = np.linalg.norm(middles[:, None] - middles[None], axis=2)[np.triu_indices(7, 1)]
+    assert apart.min() > 1.7 * radius
+    weight = 7 * np.pi * radius**2 * 1200.0 * 0.2 * GRAVITY
+    impulse = sum(result.contact_impulse(ground, rope)[-1] for rope in ropes)
+    momentum = result.momentum[-1] - result.momentum[0]
+    # The ground's impulse and gravity's are the change of momentum: trapezoid over steps of 1 ms through blows.
+    gap = momentum[2] + impulse[2] + weight * 0.3
+    assert record("bundle, impulse balance over the weight's", gap / (weight * 0.3), 0.0, 0.01)

@@ -53,6 +53,21 @@ impl Patch {
         &self.points[..self.count]
     }
 
+    /// The smallest gap of the zone: from the deepest point the gap falls on with its own slope, which grows along the
+    /// zone at the rate found between the outer points.
+    #[must_use]
+    pub fn least_gap(&self) -> f64 {
+        let points = self.points();
+        let deeper = |a: &&Point, b: &&Point| a.place.gap.total_cmp(&b.place.gap);
+        let Some(deepest) = points.iter().min_by(deeper) else { return 0.0 };
+        let (gap, slope) = (deepest.place.gap, deepest.place.gap_slope());
+        let (first, last) = (&points[0], &points[points.len() - 1]);
+        let growth = (last.place.gap_slope() - first.place.gap_slope()) / (last.xi - first.xi);
+        let way = -slope / growth;
+        let inside = self.zone.0 - deepest.xi <= way && way <= self.zone.1 - deepest.xi;
+        if growth > 0.0 && inside { gap + 0.5 * slope * way } else { gap }
+    }
+
     /// Takes out the points that `wanted` says no to: they stand for no length. Returns whether any is left.
     pub fn keep(&mut self, mut wanted: impl FnMut(&Point) -> bool) -> bool {
         let mut left = false;

@@ -134,6 +134,21 @@ proptest! {
     }
 }
 
+#[test]
+fn least_gap_is_that_of_the_zone() {
+    for (degrees, delta) in [(90.0, 1e-5), (40.0, 1e-4), (15.0, 3e-4)] {
+        let r = 1e-3;
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let master = straight(Vector3::new(0.1, 0.0, 0.0), Vector3::x(), r);
+        // The deepest point lies beside the middle of the piece.
+        let middle = Vector3::new(0.05 * cos, 0.05 * sin, 2.0 * r - delta);
+        let slave = straight(middle, Vector3::new(cos, sin, 0.0), r);
+        let (_, found) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e7);
+        // The gap is a parabola up to delta/(4 R) of it.
+        assert!((found[0].least_gap() / -delta - 1.0).abs() < 0.1 * delta / r, "{degrees}");
+    }
+}
+
 fn normal_force(slave: &Piece, master: &Master<'_>, k: f64) -> (f64, Vec<Patch>) {
     // A ramp so short that the law is linear.
     let law = Normal { k, d_0: 1e-9, c: 0.0 };
@@ -149,8 +164,13 @@ fn crossing_lines_press_like_three_halves() {
     // Exact: the integral of k (2R - sqrt(s^2 sin^2 + h^2)) over the zone, and its closed form for small depths.
     for (degrees, delta, exact) in [
         (90.0, 1e-5, 0.026_619_957_658_786_556),
+        (90.0, 1e-4, 0.828_380_539_084_698_1),
         (90.0, 3e-4, 4.145_108_331_060_46),
+        (30.0, 1e-5, 0.053_239_915_317_573_12),
         (30.0, 1e-4, 1.656_761_078_169_396_7),
+        (30.0, 3e-4, 8.290_216_662_120_923),
+        (10.0, 1e-5, 0.153_298_226_427_953_35),
+        (10.0, 1e-4, 4.770_453_397_291_571),
         (10.0, 3e-4, 23.870_727_506_343_75),
     ] {
         let r = 1e-3;
@@ -159,7 +179,7 @@ fn crossing_lines_press_like_three_halves() {
         let slave = straight(Vector3::z() * (2.0 * r - delta), Vector3::new(cos, sin, 0.0), r);
         let (force, found) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e7);
         assert_eq!(found.len(), 1);
-        // Three Gauss points leave 4e-7 to 5e-4; the ramp 1e-4 of the depth at 1e-5.
+        // Three Gauss points leave 4e-7 to 5e-4; the ramp's half, 5e-10, is 1e-4 of the mean depth at 1e-5.
         assert!(
             (force / exact - 1.0).abs() < 1e-3,
             "{degrees} deg, {delta}: {force}, expected {exact}"

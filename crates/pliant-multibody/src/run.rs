@@ -1,6 +1,7 @@
 //! A run in progress: steps, and what is recorded of them.
 
 use crate::checkpoint::Saved;
+use crate::contact_coupling::memory::PatchRecord;
 use crate::error::ModelError;
 use crate::latches::{Scheduled, Switch};
 use crate::memory::Memory;
@@ -38,6 +39,10 @@ pub struct Records {
     pub outputs: Vec<f64>,
     /// For each row how many of the switches of the run lie before it.
     pub switches: Vec<f64>,
+    /// For each row how many of the patches belong to it.
+    pub touching: Vec<f64>,
+    /// Where bodies touch, see [`PatchRecord`].
+    pub patches: Vec<PatchRecord>,
     /// What joints were made to do since the start.
     pub history: Vec<Switch>,
 }
@@ -57,6 +62,9 @@ impl Records {
         self.energy.extend([kinetic, elastic, gravitational, audit.dissipated, audit.work]);
         self.inputs.extend_from_slice(&memory.held);
         system.outputs(state.point(), &mut self.outputs);
+        let before = self.patches.len();
+        self.patches.extend(memory.contact.records(system.model().contacts.list.len()));
+        self.touching.push((self.patches.len() - before) as f64);
     }
 }
 

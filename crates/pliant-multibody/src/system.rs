@@ -80,6 +80,7 @@ pub struct System {
     coupled: Coupled,
     /// Time and energy of the last accepted point.
     noted_energy: Option<(f64, [f64; 3])>,
+    judged: contact::Judged,
 }
 
 impl System {
@@ -112,6 +113,7 @@ impl System {
             search: Search::default(),
             coupled,
             noted_energy: None,
+            judged: contact::Judged::default(),
         }
     }
 
@@ -776,7 +778,11 @@ impl Problem for System {
     /// order, and exact also where damping brings a jump of velocity to rest within the step, whose power at the
     /// ends says nothing about the time between.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
-        if self.has_damping() {
+        let judged = std::mem::take(&mut self.judged);
+        if let Some((_, lost, noted)) = judged.loss.filter(|&(t, ..)| t == after.t) {
+            self.memory.audit.dissipated += lost;
+            self.memory.damping = noted;
+        } else if self.has_damping() {
             let mut noted = std::mem::take(&mut self.memory.damping);
             let mut forces = std::mem::take(&mut self.forces);
             self.memory.audit.dissipated +=
@@ -789,17 +795,23 @@ impl Problem for System {
             (self.memory.damping, self.forces) = (noted, forces);
         }
         if self.model.has_work() {
-            let mut noted = std::mem::take(&mut self.memory.loads);
-            let mut forces = std::mem::take(&mut self.forces);
-            self.memory.audit.work += work(&mut noted, &mut forces, before, after, |at, force| {
-                if self.refresh(at.t).is_ok() {
-                    self.working_forces(at, force);
-                }
-            });
+            if let Some((_, work, noted)) = judged.work.filter(|&(t, ..)| t == after.t) {
+                self.memory.audit.work += work;
+                self.memory.loads = noted;
+            } else {
+                let mut noted = std::mem::take(&mut self.memory.loads);
+                let mut forces = std::mem::take(&mut self.forces);
+                self.memory.audit.work +=
+                    work(&mut noted, &mut forces, before, after, |at, force| {
+                        if self.refresh(at.t).is_ok() {
+                            self.working_forces(at, force);
+                        }
+                    });
+                (self.memory.loads, self.forces) = (noted, forces);
+            }
             let potential = self.changing_energy(after.t, after.q, after.v);
             self.memory.audit.work += potential - self.memory.potential;
             self.memory.potential = potential;
-            (self.memory.loads, self.forces) = (noted, forces);
         }
         self.accept_given(before, after);
         self.remember(after);

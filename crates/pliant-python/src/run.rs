@@ -5,6 +5,7 @@ use crate::errors::{model_error, solve_error};
 use numpy::{PyArray1, PyArray2};
 use pliant_dae::step_control::StepControl;
 use pliant_multibody::checkpoint::Saved;
+use pliant_multibody::contact_coupling::memory::PATCH;
 use pliant_multibody::latches::Switch;
 use pliant_multibody::run::{FreeLeg, Leg, Records, Run};
 use pliant_multibody::system::Inputs;
@@ -80,6 +81,9 @@ pub fn records<'py>(
     dict.set_item("inputs", some(records.inputs, held)?)?;
     let shown = records.outputs.len().checked_div(n).unwrap_or(0);
     dict.set_item("outputs", some(records.outputs, shown)?)?;
+    dict.set_item("touching", PyArray1::from_vec(py, records.touching))?;
+    let patches = records.patches.into_flattened();
+    dict.set_item("patches", some(patches, PATCH)?)?;
     Ok(dict)
 }
 

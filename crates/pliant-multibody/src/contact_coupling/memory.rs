@@ -39,6 +39,12 @@ pub struct Pair {
     pub master: u32,
 }
 
+/// Numbers of a [`PatchRecord`].
+pub const PATCH: usize = 12;
+/// A place where bodies touch: number of the contact, point [m], normal towards its first side (of lines the slave),
+/// smallest gap [m], normal force [N], friction on the first side [N].
+pub type PatchRecord = [f64; PATCH];
+
 /// What contact remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactMemory {
@@ -52,6 +58,8 @@ pub struct ContactMemory {
     pub coupled: Vec<(Pair, u32)>,
     /// For each contact: force on the slave [N] and its integral over time [N s].
     pub totals: Vec<[f64; 6]>,
+    /// Where lines touch.
+    pub patches: Vec<PatchRecord>,
     /// Largest energy in motion and in contact so far [J].
     pub peak: f64,
     /// Of bodies other than lines.
@@ -64,6 +72,20 @@ impl ContactMemory {
     pub fn has_touched(&self) -> bool {
         let all = self.totals.iter().chain(&self.probes.totals);
         all.into_iter().any(|f| f[..3] != [0.0; 3])
+    }
+
+    /// What touched at the last accepted step; contacts of lines, `lines` of them, count first.
+    pub fn records(&self, lines: usize) -> impl Iterator<Item = PatchRecord> + '_ {
+        let others = self.probes.patches.iter().map(move |patch| {
+            let mut record = [0.0; PATCH];
+            record[0] = (lines + patch.contact as usize) as f64;
+            record[1..4].copy_from_slice(&patch.point);
+            record[4..7].copy_from_slice(&patch.normal);
+            (record[7], record[8]) = (patch.gap, patch.normal_force);
+            record[9..].copy_from_slice(&patch.friction_force);
+            record
+        });
+        self.patches.iter().copied().chain(others)
     }
 
     /// Deflection at a new point with the normal `n`.

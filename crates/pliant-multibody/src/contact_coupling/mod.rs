@@ -5,6 +5,7 @@
 pub mod coupled;
 pub mod memory;
 mod passing;
+mod report;
 pub mod run;
 
 use crate::document::Arrays;
@@ -33,6 +34,8 @@ pub struct Segment {
     pub radius: f64,
     /// Arc length at its beginning [m].
     pub start: f64,
+    /// Whether no element follows on the same strand.
+    pub last: bool,
     /// Whether its ends are round where it is a master: nothing follows there.
     pub round: [bool; 2],
     /// Whether its ends are free where it is a slave.
@@ -107,6 +110,8 @@ pub struct Contacts {
     pub radius: f64,
     /// Energy below which a gain is rounding [J].
     pub energy_floor: f64,
+    /// Numbers of the contacts by their lines, the lower number first.
+    by_lines: HashMap<(usize, usize), usize>,
     /// Highest angular frequency of a line on its contact, `sqrt(k/(rho A))` [1/s].
     pub frequency: f64,
     /// Contacts of bodies other than lines.
@@ -156,6 +161,9 @@ impl Contacts {
             }
             let apart = arrays.get(&contact.apart, &place)?;
             let apart = (0..apart.len() / 3).map(|i| crate::document::row(apart, i)).collect();
+            if let Master::Line(other) = master {
+                this.by_lines.insert((slave.min(other), slave.max(other)), this.list.len());
+            }
             this.list.push(Contact {
                 name: contact.name.clone(),
                 slave,
@@ -177,6 +185,12 @@ impl Contacts {
         this.radius = this.radius.max(this.probes.radius);
         this.frequency = this.frequency.max(this.probes.frequency);
         Ok(this)
+    }
+
+    /// Number of the contact of two lines, if they may touch.
+    #[must_use]
+    pub fn of_lines(&self, a: usize, b: usize) -> Option<usize> {
+        self.by_lines.get(&(a.min(b), a.max(b))).copied()
     }
 
     /// Whether there are none.
@@ -276,6 +290,7 @@ pub(crate) fn line_of(
                 length,
                 radius: radius[if radius.len() == 1 { 0 } else { e }],
                 start,
+                last: e + 1 == range.end,
                 round,
                 free,
             });

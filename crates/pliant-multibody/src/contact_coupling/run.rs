@@ -1,6 +1,7 @@
 //! Who touches whom at given coordinates, and the forces there.
 
 use super::memory::{Bristle, ContactMemory, Pair};
+use super::report::Report;
 use super::{Contact, Contacts, Master};
 use crate::probes::find::Found;
 use nalgebra::Vector3;
@@ -31,6 +32,16 @@ pub struct Touch {
 }
 
 impl Touch {
+    /// Arc lengths on slave and master at both ends of the zone, those of the master at the outermost points [m].
+    #[must_use]
+    pub fn ends(&self) -> ((f64, f64), (f64, f64)) {
+        let points = self.patch.points();
+        let (first, last) = (&points[0], &points[points.len() - 1]);
+        let at =
+            |xi: f64, point: &Place| (self.starts[0] + xi * self.lengths[0], self.arc(point).1);
+        (at(self.patch.zone.0, first), at(self.patch.zone.1, last))
+    }
+
     /// Arc lengths of a point on slave and master [m].
     #[must_use]
     pub fn arc(&self, point: &Place) -> (f64, f64) {
@@ -92,20 +103,23 @@ impl Search {
     pub(super) fn refresh(&mut self, contacts: &Contacts, q: &[f64]) {
         let mut moved = f64::INFINITY;
         if self.built_at.len() == q.len() {
-            moved = 0.0;
+            // A control point moves with its node and a third of the slope's change.
+            let (mut by_node, mut by_slope, mut longest) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let change = |o: usize| -> f64 {
+                (0..3).map(|c| (q[o + c] - self.built_at[o + c]).powi(2)).sum()
+            };
             for segment in contacts.lines.iter().flatten() {
-                // A control point moves with its node and a third of the slope's change.
-                for end in [0, 2] {
-                    let change = |k: usize| {
-                        let o = segment.offsets[k];
-                        (0..3)
-                            .map(|c| (q[o + c] - self.built_at[o + c]).powi(2))
-                            .sum::<f64>()
-                            .sqrt()
-                    };
-                    moved = f64::max(moved, change(end) + segment.length / 3.0 * change(end + 1));
+                let [r, t, r_2, t_2] = segment.offsets;
+                longest = longest.max(segment.length);
+                by_node = by_node.max(change(r));
+                by_slope = by_slope.max(change(t));
+                // The second end is the first of the element that follows, unless none does.
+                if segment.last {
+                    by_node = by_node.max(change(r_2));
+                    by_slope = by_slope.max(change(t_2));
                 }
             }
+            moved = by_node.sqrt() + longest / 3.0 * by_slope.sqrt();
             if 2.0 * moved <= self.margin {
                 return;
             }
@@ -140,23 +154,17 @@ fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<(usize, usize,
         }
     }
     let mut all = Vec::new();
-    let of_lines = |a: usize, b: usize| {
-        contacts.list.iter().enumerate().filter(move |(_, c)| match c.master {
-            Master::Line(m) => (c.slave, m) == (a, b) || (c.slave, m) == (b, a),
-            Master::Shape(_) => false,
-        })
-    };
     if contacts.list.iter().any(|c| matches!(c.master, Master::Line(_))) {
-        for (i, j) in pairs(&boxes, |_, _| true) {
+        let contact_of = |i: u32, j: u32| {
             let ((a, e), (b, m)) = (owner[i as usize], owner[j as usize]);
-            for (number, contact) in of_lines(a, b) {
-                let (e, m) = if contact.slave == a { (e, m) } else { (m, e) };
-                if contact.is_self() && is_beside(contact, contacts, e, m) {
-                    continue;
-                }
-                all.push((number, e, m));
-            }
-        }
+            let number = contacts.of_lines(a, b)?;
+            let contact = &contacts.list[number];
+            let (e, m) = if contact.slave == a { (e, m) } else { (m, e) };
+            let beside = contact.is_self() && is_beside(contact, contacts, e, m);
+            (!beside).then_some((number, e, m))
+        };
+        let near = pairs(&boxes, |i, j| contact_of(i, j).is_some());
+        all.extend(near.into_iter().filter_map(|(i, j)| contact_of(i, j)));
     }
     for (number, contact) in contacts.list.iter().enumerate() {
         let Master::Shape(shape) = &contact.master else { continue };
@@ -350,15 +358,21 @@ impl Contacts {
         }
         let mut touching: Vec<Pair> = Vec::new();
         let mut totals = std::mem::take(&mut memory.totals);
+        let mut report = Report::default();
         for touch in search.touches(self, at.q) {
             touching.push(pair_of(touch));
             let rubs = self.list[touch.contact].laws.friction.is_some();
             let segment = &self.lines[self.list[touch.contact].slave][touch.slave];
             let zone = [touch.patch.zone.0, touch.patch.zone.1];
+            report.begin(touch, segment.radius);
+            let x = segment.vectors(at.q);
             self.each_force(touch, memory, at, at_rest, |point, force| {
                 for c in 0..3 {
                     totals[touch.contact][c] -= point.place.weight * force.total[c];
                 }
+                // The slave's weights count as negative.
+                let r: Vector3<f64> = (0..4).map(|k| x[k] * -point.place.alpha[4 + k]).sum();
+                report.add(r, point, force);
                 if rubs && force.pressure.p > 0.0 {
                     let (slave, master) = touch.arc(point);
                     bristles.push(Bristle {
@@ -374,6 +388,7 @@ impl Contacts {
             });
         }
         memory.totals = totals;
+        memory.patches = report.records().collect();
         for (totals, before) in memory.totals.iter_mut().zip(&before) {
             for c in 0..3 {
                 totals[3 + c] = before[3 + c] + 0.5 * h * (before[c] + totals[c]);

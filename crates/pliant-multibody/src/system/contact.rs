@@ -16,6 +16,13 @@ const RESOLVED: f64 = 0.02;
 /// Part of the nominal step below which none is cut any more for what the balance leaves out.
 const SMALLEST: f64 = 1.0 / 128.0;
 
+/// What was found out about a step before it was accepted: time of its end, energy, forces there.
+#[derive(Default)]
+pub(super) struct Judged {
+    pub(super) work: Option<(f64, f64, Vec<f64>)>,
+    pub(super) loss: Option<(f64, f64, Vec<f64>)>,
+}
+
 impl System {
     /// Notes where everything is at the start: slip counts from there.
     pub(super) fn begin_contact(&mut self, t: f64, q: &[f64]) {
@@ -69,6 +76,7 @@ impl System {
         if self.model.contacts.is_empty() {
             return Ok(());
         }
+        self.judged = Judged::default();
         let refuse = |message: String| Err(EvaluationError { message, recoverable: true });
         let model = self.model.clone();
         let contacts = &model.contacts;
@@ -100,13 +108,7 @@ impl System {
         self.noted_energy = Some((after.t, now));
         let mut outside = 0.0;
         if model.has_work() {
-            let mut noted = self.memory.loads.clone();
-            let mut forces = Vec::new();
-            outside = work(&mut noted, &mut forces, before, after, |at, force| {
-                if self.refresh(at.t).is_ok() {
-                    self.working_forces(at, force);
-                }
-            });
+            outside = self.work_of_step(before, after);
             outside += self.changing_energy(after.t, after.q, after.v) - self.memory.potential;
         }
         let peak = f64::max(self.memory.contact.peak, now[0]);
@@ -114,13 +116,7 @@ impl System {
         let gain = now.iter().sum::<f64>() - last.iter().sum::<f64>() - outside;
         let h = after.t - before.t;
         if part > SMALLEST && h * contacts.frequency > RESOLVED {
-            let mut noted = self.memory.damping.clone();
-            let mut forces = Vec::new();
-            let lost = work(&mut noted, &mut forces, before, after, |at, force| {
-                if self.refresh_inputs(at.t).is_ok() {
-                    self.damping_forces(at.t, at.q, at.v, force);
-                }
-            });
+            let lost = self.loss_of_step(before, after);
             let gap = gain + lost;
             if gap.abs() > GAP * peak + contacts.energy_floor {
                 return refuse(format!(
@@ -136,6 +132,34 @@ impl System {
             ));
         }
         Ok(())
+    }
+
+    /// Work of loads over a step, and their forces at its end, kept for [`Problem::accept`].
+    fn work_of_step(&mut self, before: Point<'_>, after: Point<'_>) -> f64 {
+        let mut noted = self.memory.loads.clone();
+        let mut spare = std::mem::take(&mut self.forces);
+        let work = work(&mut noted, &mut spare, before, after, |at, force| {
+            if self.refresh(at.t).is_ok() {
+                self.working_forces(at, force);
+            }
+        });
+        self.forces = spare;
+        self.judged.work = Some((after.t, work, noted));
+        work
+    }
+
+    /// What damping and friction dissipate over a step, likewise.
+    fn loss_of_step(&mut self, before: Point<'_>, after: Point<'_>) -> f64 {
+        let mut noted = self.memory.damping.clone();
+        let mut spare = std::mem::take(&mut self.forces);
+        let lost = work(&mut noted, &mut spare, before, after, |at, force| {
+            if self.refresh(at.t).is_ok() {
+                self.damping_forces(at.t, at.q, at.v, force);
+            }
+        });
+        self.forces = spare;
+        self.judged.loss = Some((after.t, lost, noted));
+        lost
     }
 
     /// Appends force on the slave and impulse of each contact.
