@@ -29,7 +29,8 @@ def measure(model, steps, step, warm=0, repeats=3):
     best = np.inf
     for _ in range(repeats):
         stepper = pl.Stepper(model, step=step, threads=1)
-        stepper.advance(warm)
+        if warm:
+            stepper.advance(warm)
         before = stepper.statistics
         start = time.process_time()
         stepper.advance(steps)

@@ -199,14 +199,19 @@ impl Master<'_> {
         match self {
             Self::Shape(_) => true,
             Self::Line(master, round) => {
-                let eta = master.nearest(slave.at(xi));
-                (eta > 0.0 || round[0]) && (eta < 1.0 || round[1])
+                let q = slave.at(xi);
+                let eta = master.nearest(q);
+                let [r, t, ..] = master.vectors();
+                // A foot on the very node belongs to the piece that begins there.
+                let begins = || round[0] || (q - r).dot(t) == 0.0;
+                (eta > 0.0 || begins()) && (eta < 1.0 || round[1])
             }
         }
     }
 
     /// Bernstein coefficients along the slave of the distances from the planes normal to the master through those of
-    /// its ends that something follows at, above zero on the master's side.
+    /// its ends that something follows at, above zero on the master's side. Points on the plane itself belong to the
+    /// piece that begins there: a line may lie in it as a whole.
     fn planes(&self, slave: &Piece) -> [Option<[f64; 4]>; 2] {
         let Self::Line(master, round) = self else { return [None; 2] };
         let b = slave.control();
@@ -273,17 +278,21 @@ impl Master<'_> {
             }
             return found;
         }
-        if planes.iter().flatten().any(|p| p.iter().all(|&p| p <= 0.0)) {
+        let belongs = |end: usize, p: f64| if end == 0 { p >= 0.0 } else { p > 0.0 };
+        let all = |end: usize, p: &[f64; 4]| p.iter().all(|&p| belongs(end, p));
+        let none = |end: usize, p: &[f64; 4]| !p.iter().any(|&p| belongs(end, p));
+        let each = || planes.iter().enumerate().filter_map(|(end, p)| p.as_ref().map(|p| (end, p)));
+        if each().any(|(end, p)| none(end, p)) {
             return found;
         }
-        if planes.iter().flatten().all(|p| p.iter().all(|&p| p >= 0.0)) {
+        if each().all(|(end, p)| all(end, p)) {
             return zones(gap, (0.0, 1.0), &bounds);
         }
         let inside = |x: f64| {
             let y = 1.0 - x;
             let w = [y * y * y, 3.0 * y * y * x, 3.0 * y * x * x, x * x * x];
             let value = |p: &[f64; 4]| (0..4).map(|k| w[k] * p[k]).sum::<f64>();
-            planes.iter().flatten().all(|p| value(p) > 0.0)
+            each().all(|(end, p)| belongs(end, value(p)))
         };
         Self::cut(&planes, (0.0, 1.0), inside, &mut spans);
         for span in spans {

@@ -135,6 +135,25 @@ proptest! {
 }
 
 #[test]
+fn a_line_across_a_node_touches_once() {
+    // Exactly in the plane between both pieces, or ending in it, on straight pieces and on sharply bent ones.
+    let on = Vector3::x();
+    for bend in [0.0, 3.0] {
+        let before = piece(-on, on + Vector3::z() * bend, Vector3::zeros(), on, 0.05);
+        let after = piece(Vector3::zeros(), on, on, on - Vector3::z() * bend, 0.05);
+        for (from, to) in [(-0.5, 0.5), (0.0, 1.0), (-1.0, 0.0)] {
+            let at = |y: f64| Vector3::new(0.0, y, 0.09);
+            let slave = piece(at(from), Vector3::y(), at(to), Vector3::y(), 0.05);
+            let zones: Vec<(f64, f64)> = [(&before, [true, false]), (&after, [false, true])]
+                .into_iter()
+                .flat_map(|(master, round)| Master::Line(master, round).zones(&slave))
+                .collect();
+            assert_eq!(zones.len(), 1, "{from}, {bend}: {zones:?}");
+        }
+    }
+}
+
+#[test]
 fn least_gap_is_that_of_the_zone() {
     for (degrees, delta) in [(90.0, 1e-5), (40.0, 1e-4), (15.0, 3e-4)] {
         let r = 1e-3;
