@@ -1,4 +1,4 @@
-"""What contact costs: two ropes that cross, cost against the pairs that touch, a thousand zones in 32,000 elements.
+"""What contact costs: a crossing, growth with the pairs that touch, a thousand zones in 32,000 elements.
 
 Milliseconds of processor time a step, the least of several runs; contact in the second and third table is the
 difference to the same ropes that may not touch, in the same process.
@@ -55,7 +55,7 @@ def crossing(elements):
 
 
 def pairs(touching, apart, elements, may_touch=True):
-    """Pairs of crossing ropes in a row, some of which press on each other; the others lie a little too far apart."""
+    """Make pairs of crossing ropes, some pressing on each other, the others a little too far apart."""
     model = pl.Model()
     for k in range(touching + apart):
         gap = -0.1 * RADIUS if k < touching else 1.0 * RADIUS
@@ -68,7 +68,7 @@ def pairs(touching, apart, elements, may_touch=True):
 
 
 def mat(n, elements, may_touch=True):
-    """A mat of n by n ropes in two layers that press on each other where they cross."""
+    """Make a mat of n by n ropes in two layers that press on each other where they cross."""
     model = pl.Model()
     size = 0.1 * n
     places = (np.arange(n) + 0.53) * 0.1

@@ -1,10 +1,10 @@
-"""A wavy rope falls on a straight one: where do they touch?
+"""A wavy rope falls on a straight one, and the distance along it tells where they touch.
 
 Along the wave the distance of the surfaces is a function with many minima. Zones of contact are where it lies
 below zero; the core finds them without a grid and without a miss, whatever the elements.
 
-Checked: the zones, their smallest gaps and their number against the distance sampled at thousands of points, at
-every time; and the momentum that the straight rope got against the impulse of the contact.
+Checked: the zones, their smallest gaps and their number against the distance sampled at thousands of points,
+at every time; and the momentum that the straight rope got against the impulse of the contact.
 
     python examples/contact_zones.py
 """
@@ -126,7 +126,8 @@ def draw(zones: Zones) -> Figure:
         above.plot(*patch.point[:2], "o", color=INK, markersize=4 + 8 * patch.normal_force / size, alpha=0.8)
     above.set_ylim(-0.09, 0.12)
     above.legend(frameon=False, ncols=2, loc="upper right")
-    title = f"From above at {1e3 * result.time[frame]:.1f} ms; dots are as large as the forces, {size:.1f} N at most"
+    moment = 1e3 * result.time[frame]
+    title = f"From above at {moment:.1f} ms; dots are as large as the forces, {size:.1f} N at most"
     plain(above, "x [m]", "y [m]", title)
     gaps = 1e3 * zones.gaps[frame]
     distances.plot(zones.along, gaps, color=INK)

@@ -56,7 +56,7 @@ def simulate(elements: int, step: float, duration: float) -> pl.Result:
 
 
 def places(result: pl.Result) -> np.ndarray:
-    """Ends and middles of both ropes at the end, (6, 3)."""
+    """Find ends and middles of both ropes at the end, (6, 3)."""
     ropes = [result.model[name] for name in ("low", "high")]
     return np.array([result.track(rope.at(x)).position[-1] for rope in ropes for x in (0.0, 0.5, 1.0)])
 

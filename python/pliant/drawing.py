@@ -131,7 +131,7 @@ class Marker:
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """A force over time: kind "force", "reaction" or "contact", feet (frames, 3) [m], vectors (frames, 3) [N].
+    """A force over time: kind "force", "reaction", "contact", feet (frames, 3) [m], vectors (frames, 3) [N].
 
     Those of contact are on the first of the two bodies; where nothing touches they vanish.
     """
@@ -361,7 +361,7 @@ def arrows(result: Result, frames: IntArray) -> list[Arrows]:
 
 
 def contact_arrows(result: Result, frames: IntArray) -> list[Arrows]:
-    """Forces of contact: as many arrows as there are patches at once, the strongest first."""
+    """Collect forces of contact: as many arrows as there are patches at once, the strongest first."""
     touching = [result._patches(rows) for rows in result._patch_rows(frames)]
     most = max((len(patches) for patches in touching), default=0)
     feet, vectors = np.zeros((2, most, len(frames), 3))

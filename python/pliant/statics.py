@@ -115,9 +115,9 @@ def solve_static(
             # What friction carries at rest depends on how the rest was reached, and a search passes through
             # states that no motion would.
             fault = (
-                f"contact '{contact.name}' has friction: at rest many equilibria are possible, and only the way "
-                "there tells which. Let the model come to rest with simulate, or solve one without friction and "
-                "start from it"
+                f"contact '{contact.name}' has friction: many equilibria are possible then, and only the way "
+                "there tells which. Let the model come to rest with simulate, or solve one without friction "
+                "and start from it"
             )
             _check.fail("model", model, fault)
     arc_length = _check.flag(arc_length, "arc_length")

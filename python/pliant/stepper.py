@@ -9,8 +9,6 @@ import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar, cast
 
-import numpy as np
-
 from pliant import _check
 from pliant._lowered import Lowered, numbers_of, signals_of
 from pliant._running import (
@@ -413,7 +411,7 @@ class Stepper:
     @property
     def contacts(self) -> list[ContactPatch]:
         """Where bodies touch, and the forces there; see :attr:`pliant.Result.contacts`."""
-        return _only(self._now.contacts)
+        return self._now.contacts[0]
 
     @property
     def momentum(self) -> FloatArray:

@@ -264,7 +264,7 @@ def test_records_of_contact_add_up(tmp_path):
         assert patch.bodies == ("low", "high")
         assert patch.gap < 0.0
         assert np.linalg.norm(patch.normal) == pytest.approx(1.0)
-        # Along the zone the normal turns, by its half angle of a tenth: friction need not be normal to the mean.
+        # The normal turns along the zone, by a tenth: friction need not be normal to the mean.
         assert abs(patch.friction_force @ patch.normal) < 0.02 * patch.normal_force
         # Pressures along the zone lean apart by as much: their sum is shorter, by a tenth squared over two.
         np.testing.assert_allclose(patch.force, force[k], atol=0.01 * patch.normal_force)
@@ -402,7 +402,7 @@ def test_an_end_hits_head_on(degrees):
 
 
 def test_a_bundle_holds_together(record):
-    # Seven ropes in a hexagonal bundle fall on the ground; nothing passes through anything, momentum is accounted for.
+    # Seven ropes in a hexagonal bundle fall on the ground; nothing passes through anything, momentum is kept.
     model = pl.Model(gravity=(0, 0, -GRAVITY))
     soft = pl.LinearElastic(youngs_modulus=5e6, poisson_ratio=0.4, density=1200.0, retardation_time=2e-3)
     radius = 5e-3
@@ -425,6 +425,6 @@ def test_a_bundle_holds_together(record):
     weight = 7 * np.pi * radius**2 * 1200.0 * 0.2 * GRAVITY
     impulse = sum(result.contact_impulse(ground, rope)[-1] for rope in ropes)
     momentum = result.momentum[-1] - result.momentum[0]
-    # The ground's impulse and gravity's are the change of momentum: trapezoid over steps of 1 ms through blows.
+    # Impulses of ground and gravity are the change of momentum: trapezoid over steps of 1 ms through blows.
     gap = momentum[2] + impulse[2] + weight * 0.3
     assert record("bundle, impulse balance over the weight's", gap / (weight * 0.3), 0.0, 0.01)
