@@ -257,6 +257,8 @@ class _Lowering(Sharing):
             "density": body.density,
             "retardation_time": body.retardation_time,
             "quadrature": body.quadrature,
+            "bending": body.bending,
+            "integrals": body.integrals,
         }
 
     def _beam(self, body: BeamBody, relocated: bool) -> Json:

@@ -121,6 +121,10 @@ class Pneumatics(Sheets):
         faces = self._one_part(body, "body")
         if self._surface(faces.body).kind == "membrane":
             _check.fail("body", body, "a membrane has no curvature at rest; take a shell")
+        if self._surface(faces.body).bending == "simplified":
+            _check.fail(
+                "body", body, 'must have bending="exact": simplified bending knows no curvature at rest'
+            )
         value = as_signal(curvature, "curvature")
         if value.size == 1:
             value = value * np.array([1.0, 0.0, 0.0])

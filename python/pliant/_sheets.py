@@ -30,6 +30,8 @@ class Sheets(Mechanism):
         material: Material,
         element: str = "auto",
         quadrature: str = "standard",
+        bending: str = "exact",
+        integrals: str = "quadrature",
         initial: ArrayLike | None = None,
         velocity: Any = None,
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
@@ -51,7 +53,14 @@ class Sheets(Mechanism):
             ``"plate"`` and ``"triangle"``: r and both slopes, on plane meshes, in one mesh together.
             ``"auto"`` takes the best that the mesh allows.
         quadrature : {"standard", "reduced", "full"}
-            ``"reduced"`` cures locking of coarse doubly curved shells.
+            ``"reduced"`` takes fewer points for the membrane, against locking of coarse curved shells (of
+            triangles and plates for bending, too); ``"full"`` takes more points than are needed.
+        bending : {"exact", "simplified"}
+            ``"simplified"``: curvatures are the second derivatives of the position, their forces linear and
+            quick. For flat surfaces with small membrane strains and no damping.
+        integrals : {"quadrature", "precomputed"}
+            ``"precomputed"``: the membrane's energy is integrated exactly, from integrals of products of
+            shape functions computed once. For ``"cylindrical"`` and ``"plate"`` with a linear material.
         initial : array_like, shape (nodes, 3), optional
             Positions at the start [m], where they are not the stress-free ones; slopes follow smoothly.
         velocity : array_like, shape (3,) or (nodes, 3), or callable, optional
@@ -85,6 +94,8 @@ class Sheets(Mechanism):
             thickness=thickness,
             material=material,
             quadrature=quadrature,
+            bending=bending,
+            integrals=integrals,
             wrinkling=False,
             initial=initial,
             velocity=velocity,
@@ -145,6 +156,8 @@ class Sheets(Mechanism):
             thickness=thickness,
             material=material,
             quadrature=quadrature,
+            bending="exact",
+            integrals="quadrature",
             wrinkling=wrinkling,
             initial=initial,
             velocity=velocity,

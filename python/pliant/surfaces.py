@@ -22,6 +22,8 @@ __all__ = ["Edge", "Faces", "Membrane", "Shell", "SurfaceBody"]
 
 VECTORS = {"bicubic": 4, "plate": 3, "triangle": 3, "cylindrical": 2, "membrane": 1}
 QUADRATURES = ("standard", "reduced", "full")
+BENDINGS = ("exact", "simplified")
+INTEGRALS = ("quadrature", "precomputed")
 LAWS = ("saint_venant_kirchhoff", "neo_hookean", "tension_field")
 Side = tuple[int, int]
 
@@ -102,12 +104,16 @@ class SurfaceBody:
     groups: Any = ()
     edges: Any = ()
     turns: FloatArray = field(default_factory=lambda: np.empty((0, 2, 2)))
+    bending: str = "exact"
+    integrals: str = "quadrature"
 
     def __post_init__(self) -> None:
         _check.choice(self.kind, "kind", ("shell", "membrane"))
         _check.choice(self.element, "element", VECTORS)
         _check.choice(self.law, "law", LAWS)
         _check.choice(self.quadrature, "quadrature", QUADRATURES)
+        _check.choice(self.bending, "bending", BENDINGS)
+        _check.choice(self.integrals, "integrals", INTEGRALS)
         for name in ("name", "material"):
             _check.text(getattr(self, name), name)
         for name in ("youngs_modulus", "density"):
@@ -561,6 +567,8 @@ def make_surface(
     thickness: Any,
     material: Any,
     quadrature: str,
+    bending: str,
+    integrals: str,
     wrinkling: Any,
     initial: Any,
     velocity: Any,
@@ -593,8 +601,20 @@ def make_surface(
     element, quads, triangles, sizes, charts, reference, h, source, turns = _discretise(
         mesh, kind, element, h
     )
-    if quadrature == "reduced" and element not in ("bicubic", "plate"):
-        _check.fail("quadrature", quadrature, 'is there for the elements "bicubic" and "plate"')
+    if quadrature == "reduced" and kind == "membrane":
+        _check.fail("quadrature", quadrature, "is there for shells")
+    if _check.choice(integrals, "integrals", INTEGRALS) == "precomputed":
+        if law != "saint_venant_kirchhoff":
+            _check.fail("integrals", integrals, "goes with a linear material, not with NeoHookean")
+        if element not in ("cylindrical", "plate") or len(triangles):
+            _check.fail("integrals", integrals, 'is there for the elements "cylindrical" and "plate" only')
+    if _check.choice(bending, "bending", BENDINGS) == "simplified":
+        if law != "saint_venant_kirchhoff":
+            _check.fail("bending", bending, "is for small strains of a linear material, not for NeoHookean")
+        if material.retardation_time:
+            _check.fail("bending", bending, "goes with materials without retardation_time")
+        if not _is_flat(reference):
+            _check.fail("bending", bending, "is for surfaces that are flat when stress-free")
     groups = [(key, np.flatnonzero(np.isin(source, rows)).tolist()) for key, rows in mesh.groups.items()]
     body = SurfaceBody(
         name=name,
@@ -619,6 +639,8 @@ def make_surface(
         groups=groups,
         edges=[(key, rows.tolist()) for key, rows in mesh.edges.items()],
         turns=turns,
+        bending=bending,
+        integrals=integrals,
     )
     if initial is not None:
         places = _check.array(initial, "initial", (body.nodes, 3))
@@ -626,19 +648,7 @@ def make_surface(
     return _with_velocity(body, velocity, angular_velocity)
 
 
-class Discretised(NamedTuple):
-    """Element, faces, parameters, stress-free nodal vectors; ``source``: the face of the mesh each was."""
-
-    element: str
-    quads: IntArray
-    triangles: IntArray
-    quad_sizes: FloatArray
-    triangle_charts: FloatArray
-    reference: FloatArray
-    thickness: FloatArray
-    source: IntArray
-    turns: FloatArray = np.empty((0, 2, 2))
-
+ba
 
 def _discretise(mesh: Mesh, kind: str, element: str, h: FloatArray) -> Discretised:
     quads, triangles = mesh.quads, mesh.triangles

@@ -98,6 +98,18 @@ def elastic(**changes: Any) -> Any:
     return pl.LinearElastic(**{"youngs_modulus": 1e7, "poisson_ratio": 0.3, "density": 1e3, **changes})
 
 
+def tough() -> Any:
+    return elastic(retardation_time=0.1)
+
+
+def gum() -> Any:
+    return pl.NeoHookean(youngs_modulus=1e6, poisson_ratio=0.5, density=1e3)
+
+
+def arch() -> Any:
+    return pl.Mesh.surface(lambda u, v: (np.sin(u), v, np.cos(u)), (0, 1), (0, 1), divisions=(2, 1))
+
+
 def strip(**changes: Any) -> Any:
     sizes = {"length": 0.1, "height": 0.01, "width": 0.01, "notch_length": 0.02, "notch_height": 0.004}
     return pl.sdi.cosine_notch(**{**sizes, "youngs_modulus": 1e6, **changes})
@@ -187,7 +199,14 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("material", "None", lambda s: shell(s, material=None)),
     ("element", "'brick'", lambda s: shell(s, element="brick")),
     ("quadrature", "'gauss'", lambda s: shell(s, quadrature="gauss")),
-    ("quadrature", "'reduced'", lambda s: shell(s, element="triangle", quadrature="reduced")),
+    ("bending", "'exakt'", lambda s: shell(s, bending="exakt")),
+    ("bending", "retardation_time", lambda s: shell(s, bending="simplified", material=tough())),
+    ("bending", "NeoHookean", lambda s: shell(s, bending="simplified", material=gum())),
+    ("bending", "flat", lambda s: shell(s, bending="simplified", mesh=arch())),
+    ("body", "exact", lambda s: s.m.add_curvature(shell(s, bending="simplified", material=elastic()), 1.0)),
+    ("integrals", "'gauss'", lambda s: shell(s, integrals="gauss")),
+    ("integrals", "cylindrical", lambda s: shell(s, integrals="precomputed")),
+    ("integrals", "NeoHookean", lambda s: shell(s, integrals="precomputed", material=gum())),
     ("initial", "(8, 3)", lambda s: shell(s, initial=np.zeros((8, 3)))),
     ("velocity", "(1, 2)", lambda s: shell(s, velocity=(1, 2))),
     (

@@ -7,12 +7,12 @@ import pliant as pl
 import pytest
 
 
-def strip(length: float, elements: int) -> tuple[pl.Model, pl.Shell]:
+def strip(length: float, elements: int, **options: object) -> tuple[pl.Model, pl.Shell]:
     """A clamped strip of width 1 and thickness 0.1, without Poisson's effect."""
     material = pl.SaintVenantKirchhoff(youngs_modulus=1.2e6, poisson_ratio=0.0, density=1.0)
     model = pl.Model()
     mesh = pl.Mesh.rectangle(length, 1.0, divisions=(elements, 1))
-    shell = model.add_shell(mesh, thickness=0.1, material=material)
+    shell = model.add_shell(mesh, thickness=0.1, material=material, **options)  # type: ignore[arg-type]
     model.clamp(shell.edge("u_min"))
     return model, shell
 

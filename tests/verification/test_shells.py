@@ -83,6 +83,50 @@ def test_plate_frequencies(record, support, expected):
         assert record(f"plate {support}, lambda {k + 1}", value, exact, 3e-3 * exact, source=source)
 
 
+@pytest.mark.parametrize(
+    ("element", "n", "low", "high"),
+    [
+        # Bogner, Fox and Schmit: fourth order, from above.
+        ("bicubic", 8, 0.0, 2e-4),
+        # Adini, Clough and Melosh: not conforming, from below, by 0.8 per cent at this mesh.
+        ("plate", 8, -1.2e-2, -4e-3),
+        # Reduced Hsieh-Clough-Tocher: from above.
+        ("triangle", 10, 5e-3, 3e-2),
+        # Free hinges along u = const: 15.3 at any refinement, which is why it is no plate.
+        ("cylindrical", 8, -0.24, -0.21),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*cylindrical")
+def test_first_frequency_of_a_supported_plate_by_kind(record, element, n, low, high):
+    model, plate = unit_plate(n, element=element)
+    for edge in ("u_min", "u_max", "v_min", "v_max"):
+        model.pin(plate.edge(edge))
+    found = float(frequencies(model, 1)[0])
+    exact = 2 * np.pi**2
+    middle, half = exact * (1 + (low + high) / 2), exact * (high - low) / 2
+    title = f"plate SSSS, lambda 1, {element}, {n} x {n}"
+    assert record(title, found, middle, half, source="closed form and the error known of the element")
+
+
+@pytest.mark.parametrize("element", ["bicubic", "cylindrical", "plate", "triangle"])
+def test_beam_frequencies_by_kind(record, element):
+    # A slender strip with nu = 0 is a beam; its first three modes bend it out of its plane.
+    steel = pl.LinearElastic(youngs_modulus=2e11, poisson_ratio=0.0, density=7850.0)
+    model = pl.Model()
+    mesh = pl.Mesh.rectangle(10.0, 1.0, divisions=(10, 1))
+    strip = model.add_shell(mesh, thickness=0.01, material=steel, element=element)
+    model.clamp(strip.edge("u_min"))
+    found = frequencies(model, 3)
+    unit = 0.01 / np.sqrt(12) * np.sqrt(2e11 / 7850.0) / 10.0**2
+    # Cubic functions: errors below 1e-4 with ten elements; triangles are stiff.
+    tolerance = 0.03 if element == "triangle" else 2e-4
+    for k, root in enumerate((1.8751040687, 4.6940911330, 7.8547574382)):
+        expected = root**2 * unit
+        title = f"clamped strip, {element}, frequency {k + 1}"
+        bound = tolerance * expected
+        assert record(title, float(found[k]), expected, bound, unit="rad/s", source="closed form")
+
+
 def test_free_plate_has_six_rigid_modes_and_then_bends(record):
     model, _ = unit_plate(6)
     found = frequencies(model, 9)

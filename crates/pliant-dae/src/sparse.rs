@@ -4,10 +4,12 @@
 //! diagonal is lowered by a tiny number, so that no order of elimination meets a zero pivot; refinement against the
 //! true matrix removes what this does to the solution. Without pivoting an indefinite primal block may still spoil
 //! the factors: every factorisation is probed by a known solution, and LU takes over where that comes back wrong. Where
-//! it comes back right at the first attempt, corrections inside iterations do without refinement.
+//! it comes back right at the first attempt, corrections inside iterations do without refinement, those of large systems
+//! with factors in single precision.
 
 mod factors;
 mod pattern;
+mod single;
 
 use crate::linear_solver::{FactorError, LinearSolver, non_finite_element};
 use crate::structure::Structure;
@@ -22,6 +24,8 @@ const REFINEMENTS: usize = 4;
 const PROBE_TOLERANCE: f64 = 1e-4;
 /// Error of all of the probe's unknowns without refinement, below which corrections go without.
 const ROUGH: f64 = 1e-5;
+/// The same of factors in single precision.
+const ROUGH_SINGLE: f64 = 1e-4;
 
 /// Back end for large systems.
 pub(crate) struct Sparse {
@@ -37,11 +41,22 @@ pub(crate) struct Sparse {
     lu: Option<WholeLu>,
     /// Whether the last factorisation was LU.
     by_lu: bool,
-    /// Whether its solutions are near enough without refinement.
-    rough: bool,
+    /// How corrections are solved for.
+    correction: Correction,
     solution: Vec<f64>,
     residual: Vec<f64>,
     right: Vec<f64>,
+}
+
+/// How corrections are solved for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Correction {
+    /// As all others.
+    Refined,
+    /// Without refinement.
+    Plain,
+    /// With factors in single precision.
+    Single,
 }
 
 /// LU with the whole pattern it needs, and the index of each of its entries in the matrix kept.
@@ -85,7 +100,7 @@ impl Sparse {
             ldlt,
             lu: None,
             by_lu: !symmetric,
-            rough: false,
+            correction: Correction::Refined,
             solution: vec![0.0; n],
             residual: vec![0.0; n],
             right: vec![0.0; n],
@@ -162,11 +177,22 @@ impl Sparse {
             *x = *b;
         }
         self.apply_factors(&mut x, false);
-        let at_once = worst(&x);
-        self.rough = at_once.1 < ROUGH;
+        let mut found = worst(&x);
+        self.correction = Correction::Refined;
+        if found.1 < ROUGH {
+            self.correction = Correction::Plain;
+            if let Some(ldlt) = self.ldlt.as_mut().filter(|_| !self.by_lu)
+                && ldlt.copy_single()
+            {
+                x.copy_from_slice(&b);
+                ldlt.solve_single(&mut x);
+                if worst(&x).1 < ROUGH_SINGLE {
+                    self.correction = Correction::Single;
+                }
+            }
+        }
         self.solution = x;
-        let mut found = at_once;
-        if !self.rough {
+        if self.correction == Correction::Refined {
             self.solve_scaled(&mut b, false);
             found = worst(&b[..self.velocities]);
         }
@@ -220,14 +246,14 @@ impl Sparse {
         self.residual = r;
     }
 
-    fn solve_with(&mut self, x: &mut [f64], transposed: bool, rough: bool) {
+    fn solve_with(&mut self, x: &mut [f64], transposed: bool, how: Correction) {
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;
         }
-        if rough {
-            self.apply_factors(x, transposed);
-        } else {
-            self.solve_scaled(x, transposed);
+        match (how, &mut self.ldlt) {
+            (Correction::Single, Some(ldlt)) => ldlt.solve_single(x),
+            (Correction::Refined, _) => self.solve_scaled(x, transposed),
+            _ => self.apply_factors(x, transposed),
         }
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;
@@ -274,11 +300,11 @@ impl LinearSolver for Sparse {
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        self.solve_with(x, false, false);
+        self.solve_with(x, false, Correction::Refined);
     }
 
     fn correct(&mut self, x: &mut [f64]) {
-        self.solve_with(x, false, self.rough);
+        self.solve_with(x, false, self.correction);
     }
 
     fn negative_eigenvalues(&self) -> Option<usize> {
@@ -289,7 +315,7 @@ impl LinearSolver for Sparse {
     }
 
     fn solve_transposed(&mut self, x: &mut [f64]) {
-        self.solve_with(x, true, false);
+        self.solve_with(x, true, Correction::Refined);
     }
 
     fn factor_cost(&self) -> f64 {

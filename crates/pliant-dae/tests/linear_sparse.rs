@@ -162,3 +162,29 @@ fn corrections_are_solutions() {
     // What the probe allows to remain without refinement, and some for another right-hand side.
     assert!(error < 1e-3, "{error}");
 }
+
+#[test]
+fn corrections_of_large_systems_are_solutions() {
+    let mut b = Builder::new(3, SOFT);
+    let groups: Vec<usize> = (0..40).map(|_| b.group(96)).collect();
+    for pair in groups.windows(2) {
+        let entry = |i: usize, j: usize| {
+            let noise = ((i.max(j) * 7 + i.min(j) * 13) as f64).sin();
+            noise + if i == j { 60.0 } else { 0.0 }
+        };
+        b.element(pair, (0..36_864).map(|k| entry(k / 192, k % 192)).collect());
+    }
+    let system = b.build();
+    let mut solver = analyze(&system.structure, SPARSE).unwrap();
+    solver.factor(&system.structure, &system.values).unwrap();
+    assert!(solver.describe().contains("supernodal"), "{}", solver.describe());
+    let (solution, right) = right_side(&system, 3, false);
+    let error = |x: &[f64]| x.iter().zip(&solution).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    let mut corrected = right.clone();
+    solver.correct(&mut corrected);
+    // Single precision, on factors of moderate condition; and in use.
+    assert!((1e-10..1e-4).contains(&error(&corrected)), "{}", error(&corrected));
+    let mut solved = right;
+    solver.solve(&mut solved);
+    assert!(error(&solved) < 1e-11, "{}", error(&solved));
+}

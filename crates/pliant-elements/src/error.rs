@@ -115,6 +115,27 @@ pub enum ElementError {
         /// What is allowed.
         range: &'static str,
     },
+    /// Integrals that are not computed in advance.
+    #[error(
+        "{kind} elements have precomputed integrals of the Saint Venant-Kirchhoff law only, bicubic ones and triangles \
+         none"
+    )]
+    NotPrecomputed {
+        /// Name of the kind.
+        kind: &'static str,
+    },
+    /// Simplified bending of rubber, or with damping.
+    #[error("simplified bending of {kind} elements is for small strains without damping")]
+    NotSimplified {
+        /// Name of the kind.
+        kind: &'static str,
+    },
+    /// Simplified bending of an element that is curved at rest.
+    #[error("face {face} is curved at rest; simplified bending is for flat surfaces")]
+    Curved {
+        /// Number of the face.
+        face: usize,
+    },
     /// A surface element without area.
     #[error("face {face} has no area: its corners or slopes coincide")]
     Degenerate {

@@ -20,6 +20,6 @@ pub use elements::cable::{
     Bending, Cable, CableElement, CableLaw, Integration, NodeOffsets, Reference, Section, Sections,
     Slack, Strain,
 };
-pub use elements::surface::{Chart, Jet, Quadrature, SURFACE_KINDS, SurfaceKind};
+pub use elements::surface::{Chart, Integrals, Jet, Quadrature, SURFACE_KINDS, SurfaceKind};
 pub use error::ElementError;
 pub use surface::{RulePoint, SurfaceBlock, SurfaceElement, SurfaceLaw};

@@ -5,8 +5,8 @@ mod surfaces;
 
 use common::Random;
 use pliant_elements::{
-    Block, Motion, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceKind, SurfaceLaw, Weights,
-    Workspace, elements::KINDS, materials::PlaneStress, testing,
+    Bending, Block, Integrals, Motion, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceKind,
+    SurfaceLaw, Weights, Workspace, elements::KINDS, materials::PlaneStress, testing,
 };
 use pliant_math::Dual;
 use pliant_math::check::{central_difference, dual_jacobian, relative_error};
@@ -296,6 +296,79 @@ fn threads_do_not_change_the_bits() {
     }
 }
 
+/// Precomputed integrals are those of quadrature, to what the rule leaves out.
+#[test]
+fn precomputed_integrals_are_those_of_quadrature() {
+    let gap = |kind: SurfaceKind, quadrature: Quadrature| {
+        let force = |law: SurfaceLaw| {
+            let (block, q) = example(kind, law);
+            let q = perturbed(kind, &q, &Random(7).vector(q.len()), SIZE);
+            let local = block.local(ELEMENT, &q);
+            testing::surface_force(&block, ELEMENT, &local, &vec![0.0; local.len()])
+        };
+        let law = SurfaceLaw { quadrature, ..surfaces::svk() };
+        let exact = force(SurfaceLaw { integrals: Integrals::Precomputed, ..law });
+        relative_error(&[force(law)], &[exact])
+    };
+    // Exact rules: degree 4 a direction, and constant strain.
+    assert!(gap(SurfaceKind::QuadMembrane, Quadrature::Full) < 1e-13);
+    assert!(gap(SurfaceKind::TriangleMembrane, Quadrature::Standard) < 1e-13);
+    // Degree 12: one point more along u leaves less than a tenth of the error.
+    let coarse = gap(SurfaceKind::Cylindrical, Quadrature::Standard);
+    let fine = gap(SurfaceKind::Cylindrical, Quadrature::Full);
+    assert!(coarse < 0.02 && fine < 0.1 * coarse && fine > 1e-8, "{coarse} {fine}");
+    // 4 x 4 points of 7 x 7.
+    let plate = gap(SurfaceKind::Plate, Quadrature::Standard);
+    assert!(plate < 0.01 && plate > 1e-6, "{plate}");
+}
+
+/// Simplified bending is that of the exact curvature as long as nothing turns or stretches.
+#[test]
+fn simplified_bending_is_the_linearised_one() {
+    for kind in SURFACE_KINDS.into_iter().filter(|kind| kind.bends()) {
+        let stiffness = |bending: Bending| {
+            let law = SurfaceLaw { bending, quadrature: Quadrature::Full, ..surfaces::svk() };
+            let (block, q) = surfaces::mesh(kind, law, surfaces::flat, [1, 1], [0.5, 0.4]);
+            let zero = vec![0.0; q.len()];
+            let motion = Motion { q: &q, v: &zero, a: &zero };
+            let all = symmetric_full(&block.element_tangent(0, motion, STIFFNESS));
+            // Across the surface; along it the simplified form knows gradients of stretch, too.
+            let across = all.iter().skip(2).step_by(3);
+            across
+                .map(|row| row.iter().skip(2).step_by(3).copied().collect())
+                .collect::<Vec<Vec<_>>>()
+        };
+        let error = relative_error(&stiffness(Bending::Simplified), &stiffness(Bending::Exact));
+        assert!(error < 1e-12, "{kind:?}: {error}");
+    }
+}
+
+#[test]
+fn options_that_a_kind_does_not_have_are_refused() {
+    let (precomputed, simplified) = (
+        SurfaceLaw { integrals: Integrals::Precomputed, ..surfaces::svk() },
+        SurfaceLaw { bending: Bending::Simplified, ..surfaces::svk() },
+    );
+    let rubber = surfaces::materials(SurfaceKind::Cylindrical)[1];
+    let refused = |kind, law| SurfaceBlock::new(kind, law, &[]).is_err();
+    assert!(refused(SurfaceKind::Bicubic, precomputed));
+    assert!(refused(SurfaceKind::Triangle, precomputed));
+    assert!(refused(SurfaceKind::Cylindrical, SurfaceLaw { material: rubber, ..precomputed }));
+    assert!(refused(SurfaceKind::Bicubic, SurfaceLaw { material: rubber, ..simplified }));
+    assert!(refused(SurfaceKind::Bicubic, SurfaceLaw { retardation_time: 0.1, ..simplified }));
+    let bent = pliant_elements::SurfaceElement {
+        vectors: (0..16).map(|k| 3 * k).collect(),
+        chart: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        reference: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .iter()
+            .flat_map(|&[u, v]| surfaces::nodal(SurfaceKind::Bicubic, surfaces::curved, u, v))
+            .collect(),
+        thickness: 0.1,
+    };
+    let error = SurfaceBlock::new(SurfaceKind::Bicubic, simplified, &[bent]).unwrap_err();
+    assert!(error.to_string().contains("curved"), "{error}");
+}
+
 /// The tension field is the elastic law in tension and carries nothing across wrinkles.
 #[test]
 fn film_is_elastic_where_taut_and_uniaxial_where_wrinkled() {
@@ -324,13 +397,74 @@ fn film_is_elastic_where_taut_and_uniaxial_where_wrinkled() {
     assert_eq!(n, [0.0; 3]);
 }
 
+/// Patch tests: fields of constant strain or curvature leave inner nodes without force, in every rule.
+#[test]
+fn constant_strain_and_curvature_are_equilibria() {
+    for kind in SURFACE_KINDS {
+        let rules = [Quadrature::Standard, Quadrature::Reduced, Quadrature::Full];
+        let rules = rules.map(|quadrature| SurfaceLaw { quadrature, ..surfaces::svk() });
+        for law in rules.into_iter().chain(surfaces::options(kind)) {
+            let (block, q) = surfaces::mesh(kind, law, surfaces::flat, [3, 2], [0.5, 0.4]);
+            let per_node = 3 * kind.vectors_per_node();
+            // Nodes (1, 1) and (2, 1) of 4 x 3.
+            let inner = |f: &[f64]| {
+                let at = |node: usize| f[node * per_node..(node + 1) * per_node].iter();
+                at(4).chain(at(7)).fold(0.0_f64, |m, f| m.max(f.abs()))
+            };
+            let size = |f: &[f64]| f.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+            let rest = vec![0.0; q.len()];
+            let stretched: Vec<f64> = q
+                .chunks(3)
+                .flat_map(|x| {
+                    [1.05 * x[0] + 0.02 * x[1], 0.97 * x[1] - 0.03 * x[0], 0.1 * x[0] + 0.2 * x[1]]
+                })
+                .collect();
+            let mut force = vec![0.0; q.len()];
+            let motion = Motion { q: &stretched, v: &rest, a: &rest };
+            block.residual(motion, [0.0; 3], &mut Workspace::default(), &mut force, false);
+            assert!(inner(&force) < 1e-13 * size(&force), "{kind:?} {law:?}: {}", inner(&force));
+            if !kind.bends() {
+                continue;
+            }
+            let motion = Motion { q: &q, v: &rest, a: &rest };
+            let stiffness = surfaces::assembled(&block, motion, STIFFNESS);
+            let fields: [surfaces::Surface; 3] = [
+                |u, _| [[0.0, 0.0, u * u], [0.0, 0.0, 2.0 * u], [0.0; 3], [0.0; 3]],
+                |_, v| [[0.0, 0.0, v * v], [0.0; 3], [0.0, 0.0, 2.0 * v], [0.0; 3]],
+                |u, v| [[0.0, 0.0, u * v], [0.0, 0.0, v], [0.0, 0.0, u], [0.0, 0.0, 1.0]],
+            ];
+            // Cylindrical elements have no curvature across u.
+            let across = kind != SurfaceKind::Cylindrical;
+            for (number, field) in fields.into_iter().enumerate().filter(|&(k, _)| across || k != 1)
+            {
+                let moved: Vec<f64> = (0..12)
+                    .flat_map(|node| {
+                        let (u, v) = (0.5 * (node / 3) as f64, 0.4 * (node % 3) as f64);
+                        surfaces::nodal(kind, field, u, v)
+                    })
+                    .flatten()
+                    .collect();
+                let force = &stiffness * nalgebra::DVector::from_vec(moved);
+                let (inner, size) = (inner(force.as_slice()), size(force.as_slice()));
+                assert!(
+                    inner < 1e-12 * size,
+                    "{kind:?} {law:?}, field {number}: {inner} of {size}"
+                );
+            }
+        }
+    }
+}
+
 /// No modes but the six of rigid motion are free of energy, flat and curved, in every rule.
 #[test]
 fn only_rigid_motions_are_free_of_energy() {
     for kind in SURFACE_KINDS.into_iter().filter(|kind| kind.bends()) {
-        for quadrature in [Quadrature::Standard, Quadrature::Reduced, Quadrature::Full] {
-            for surface in [surfaces::flat as surfaces::Surface, surfaces::curved] {
-                let law = SurfaceLaw { quadrature, ..surfaces::svk() };
+        let rules = [Quadrature::Standard, Quadrature::Reduced, Quadrature::Full];
+        let rules = rules.map(|quadrature| SurfaceLaw { quadrature, ..surfaces::svk() });
+        for law in rules.into_iter().chain(surfaces::options(kind)) {
+            let all = [surfaces::flat as surfaces::Surface, surfaces::curved];
+            let flat_only = law.bending == Bending::Simplified;
+            for surface in all.into_iter().take(if flat_only { 1 } else { 2 }) {
                 let (block, q) = surfaces::mesh(kind, law, surface, [3, 2], [0.5, 0.4]);
                 let zero = vec![0.0; q.len()];
                 let motion = Motion { q: &q, v: &zero, a: &zero };
@@ -347,7 +481,7 @@ fn only_rigid_motions_are_free_of_energy() {
                 let free = squares.iter().filter(|&&w| w.abs() < 1e-11 * scale).count();
                 // A flat mesh of cylindrical elements folds along the line where its two rows meet, as documented.
                 let hinges = usize::from(kind == SurfaceKind::Cylindrical);
-                assert!((6..=6 + hinges).contains(&free), "{kind:?} {quadrature:?}: {squares:?}");
+                assert!((6..=6 + hinges).contains(&free), "{kind:?} {law:?}: {squares:?}");
             }
         }
     }

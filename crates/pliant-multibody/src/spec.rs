@@ -374,6 +374,10 @@ pub struct SurfaceSpec {
     pub retardation_time: f64,
     /// Quadrature of the elastic energy.
     pub quadrature: QuadratureSpec,
+    /// Measure of curvature.
+    pub bending: BendingSpec,
+    /// How the membrane's energy is integrated.
+    pub integrals: IntegralsSpec,
 }
 
 /// Law of plane stress of a surface.
@@ -403,6 +407,16 @@ pub enum SurfaceMaterialSpec {
         /// Part of the elastic law that is kept where the film is not taut.
         residual_stiffness: f64,
     },
+}
+
+/// How the membrane's energy of surfaces is integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IntegralsSpec {
+    /// By quadrature.
+    Quadrature,
+    /// Exactly, from integrals computed once.
+    Precomputed,
 }
 
 /// Quadrature of the elastic energy of surfaces.

@@ -1,6 +1,7 @@
 //! Factors by faer, sequential inside: the same bits for any number of threads.
 
 use super::pattern::Pattern;
+use super::single::Single;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::cholesky::{
@@ -27,7 +28,12 @@ pub(super) struct Ldlt {
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
     memory: MemBuffer,
+    /// Of large factors.
+    single: Option<Single>,
 }
+
+/// Number of entries from which factors are kept in single precision, too: they leave the cache of one core.
+const LARGE: usize = 1 << 18;
 
 impl Ldlt {
     pub(super) fn new(pattern: &Pattern) -> Result<Self, Failed> {
@@ -43,7 +49,13 @@ impl Ldlt {
             factors.solve_in_place_scratch::<f64>(1, Par::Seq),
         ]))
         .map_err(|_| Failed)?;
-        Ok(Self { values: vec![0.0; factors.len_val()], symbolic: factors, memory })
+        let single = match factors.raw() {
+            SymbolicCholeskyRaw::Supernodal(raw) if raw.len_val() >= LARGE => {
+                Some(Single::new(raw))
+            }
+            _ => None,
+        };
+        Ok(Self { values: vec![0.0; factors.len_val()], symbolic: factors, memory, single })
     }
 
     pub(super) fn factor(&mut self, pattern: &Pattern, matrix: &[f64]) -> Result<(), Failed> {
@@ -69,6 +81,28 @@ impl Ldlt {
             Par::Seq,
             MemStack::new(&mut self.memory),
         );
+    }
+
+    /// Copies large factors to single precision; returns whether they are large.
+    pub(super) fn copy_single(&mut self) -> bool {
+        let Self { symbolic, values, single, .. } = self;
+        match (symbolic.raw(), single) {
+            (SymbolicCholeskyRaw::Supernodal(raw), Some(single)) => {
+                single.copy(raw, values);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Solves with the copy.
+    pub(super) fn solve_single(&mut self, x: &mut [f64]) {
+        let Self { symbolic, single, .. } = self;
+        if let (SymbolicCholeskyRaw::Supernodal(raw), Some(single), Some(order)) =
+            (symbolic.raw(), single, symbolic.perm())
+        {
+            single.solve(raw, order.arrays().0, x);
+        }
     }
 
     /// Number of negative pivots: that of negative eigenvalues (Sylvester's law of inertia).

@@ -5,7 +5,7 @@
 //! kinds (docs/theory/shell.md).
 
 use super::{bicubic, cylindrical, membrane, plate, triangle};
-use pliant_math::quadrature::{GAUSS_2, GAUSS_3, GAUSS_4};
+use pliant_math::quadrature::{GAUSS_2, GAUSS_3, GAUSS_4, GAUSS_7};
 
 /// Kind of a surface element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -127,10 +127,21 @@ pub enum Quadrature {
     /// What is adequate for the kind.
     #[default]
     Standard,
-    /// Fewer points for the membrane, stabilised: cures locking of doubly curved bicubic shells.
+    /// Fewer points for the membrane, against locking of coarse curved shells; stabilised where that is needed to keep
+    /// the rigid motions the only ones free of energy.
     Reduced,
-    /// One more point a direction.
+    /// More points than are needed.
     Full,
+}
+
+/// How the membrane's energy is integrated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Integrals {
+    /// At the points of the rule.
+    #[default]
+    Quadrature,
+    /// Exactly, from integrals of products of shape functions computed once (Saint Venant-Kirchhoff only).
+    Precomputed,
 }
 
 /// A point of a quadrature rule.
@@ -239,18 +250,35 @@ impl SurfaceKind {
             (Self::Bicubic, Quadrature::Standard) => tensor(&three, &three, 1.0, 1.0),
             (Self::Bicubic, Quadrature::Full) => tensor(&four, &four, 1.0, 1.0),
             (Self::Bicubic, Quadrature::Reduced) => {
-                let mut rule = tensor(&two, &two, 1.0 - STABILISATION, 0.0);
-                rule.extend(tensor(&three, &three, STABILISATION, 1.0));
-                rule
+                stabilised(tensor(&two, &two, 1.0, 1.0), tensor(&three, &three, 1.0, 1.0))
+            }
+            (Self::Cylindrical, Quadrature::Standard) => tensor(&three, &two, 1.0, 1.0),
+            (Self::Cylindrical, Quadrature::Reduced) => {
+                stabilised(tensor(&two, &two, 1.0, 1.0), tensor(&three, &two, 1.0, 1.0))
             }
             (Self::Cylindrical, Quadrature::Full) => tensor(&four, &three, 1.0, 1.0),
-            (Self::Cylindrical, _) => tensor(&three, &two, 1.0, 1.0),
             (Self::Plate, Quadrature::Reduced) => tensor(&three, &three, 1.0, 1.0),
             (Self::Plate, _) => tensor(&four, &four, 1.0, 1.0),
-            (Self::Triangle, _) => triangle::rule(),
+            (Self::Triangle, Quadrature::Standard) => triangle::rule(),
+            (Self::Triangle, Quadrature::Reduced) => triangle::reduced_rule(),
+            (Self::Triangle, Quadrature::Full) => triangle::mass_rule(),
             (Self::QuadMembrane, Quadrature::Full) => tensor(&three, &three, 1.0, 1.0),
             (Self::QuadMembrane, _) => tensor(&two, &two, 1.0, 1.0),
             (Self::TriangleMembrane, _) => membrane::triangle_rule(),
+        }
+    }
+
+    /// A rule that is exact for the membrane energy of flat elements, where integrals are computed in advance.
+    #[must_use]
+    pub fn exact_rule(self) -> Option<Vec<QuadraturePoint>> {
+        let (three, seven) = (GAUSS_3.pairs(), GAUSS_7.pairs());
+        match self {
+            Self::Cylindrical => Some(tensor(&seven, &three, 1.0, 1.0)),
+            Self::Plate => Some(tensor(&seven, &seven, 1.0, 1.0)),
+            Self::QuadMembrane => Some(tensor(&three, &three, 1.0, 1.0)),
+            Self::TriangleMembrane => Some(membrane::triangle_rule()),
+            // Far dearer than their rules.
+            Self::Triangle | Self::Bicubic => None,
         }
     }
 
@@ -281,4 +309,16 @@ fn tensor(u: &[(f64, f64)], v: &[(f64, f64)], membrane: f64, bending: f64) -> Ve
         bending: bending * a * b,
     };
     u.iter().flat_map(|x| v.iter().map(move |y| point(x, y))).collect()
+}
+
+/// A coarse rule for the membrane with a small part of the fine one, which keeps spurious modes away and integrates
+/// bending.
+fn stabilised(coarse: Vec<QuadraturePoint>, fine: Vec<QuadraturePoint>) -> Vec<QuadraturePoint> {
+    let scaled = |point: QuadraturePoint, membrane: f64, bending: f64| QuadraturePoint {
+        membrane: membrane * point.membrane,
+        bending: bending * point.bending,
+        ..point
+    };
+    let coarse = coarse.into_iter().map(|point| scaled(point, 1.0 - STABILISATION, 0.0));
+    coarse.chain(fine.into_iter().map(|point| scaled(point, STABILISATION, 1.0))).collect()
 }

@@ -2,4 +2,5 @@
 
 pub(crate) mod beam;
 pub(crate) mod cable;
+pub(crate) mod invariants;
 pub(crate) mod surface;

@@ -4,7 +4,10 @@
 //! `B_i = (J^-1)_ai N,a` and `H_ij = (J^-1)_ai (J^-1)_bj N,ab`. Strains come out in the frame, free of metrics, and the
 //! reference is free of strain by construction, whatever its curvature.
 
-use crate::elements::surface::{Chart, Jet, Quadrature, QuadraturePoint, SurfaceKind};
+use super::invariants::{self, Membrane};
+use crate::elements::cable::Bending;
+use crate::elements::surface::{Chart, Integrals, Jet, Quadrature, QuadraturePoint, SurfaceKind};
+use crate::surface::SurfaceLaw;
 use pliant_math::Vec3;
 
 /// Rows at a point: B_1, B_2, H_11, H_22, H_12.
@@ -25,12 +28,27 @@ pub(crate) struct Table {
     pub areas: Vec<[f64; 2]>,
     /// Reference curvature (11, 22, 12) at each point [1/m].
     pub curvature: Vec<[f64; 3]>,
-    /// Shape functions at each point, padded.
-    pub shape: Vec<f64>,
+    /// Points at which pressure acts.
+    pub pressure: Vec<PressurePoint>,
+    /// Integrals of the membrane, where they are precomputed.
+    pub membrane: Option<Membrane>,
+    /// Matrix of simplified bending.
+    pub bending: Option<Vec<f64>>,
     /// Mass matrix for unit mass per area, width by width [m^2].
     pub mass: Vec<f64>,
     /// The same of the middle: rows, reference curvature.
     pub middle: (Rows, [f64; 3]),
+}
+
+/// What pressure at a point needs.
+#[derive(Clone, Debug)]
+pub(crate) struct PressurePoint {
+    /// Reference area [m^2].
+    pub area: f64,
+    /// Shape functions.
+    pub shape: Vec<f64>,
+    /// B_1 and B_2.
+    pub rows: [Vec<f64>; 2],
 }
 
 /// What is found at a place of the reference surface.
@@ -89,13 +107,28 @@ impl Table {
     /// Integrals over an element; none where its reference surface is degenerate.
     pub fn new(
         kind: SurfaceKind,
-        quadrature: Quadrature,
+        law: &SurfaceLaw,
         chart: &Chart,
         reference: &[[f64; 3]],
         width: usize,
     ) -> Option<Self> {
-        let rows_per_point = if kind.bends() { 5 } else { 2 };
-        let rule = kind.rule(quadrature);
+        let rows_per_point = law.rows(kind);
+        let whole = kind.rule(law.quadrature);
+        let exact = match law.integrals {
+            Integrals::Quadrature => None,
+            Integrals::Precomputed => kind.exact_rule(),
+        };
+        // What is left to quadrature.
+        let weights = |point: &QuadraturePoint| {
+            let membrane = if exact.is_some() { 0.0 } else { point.membrane };
+            let bending = if rows_per_point == 5 { point.bending } else { 0.0 };
+            QuadraturePoint { membrane, bending, ..*point }
+        };
+        let rule: Vec<QuadraturePoint> = whole
+            .iter()
+            .map(weights)
+            .filter(|point| point.membrane != 0.0 || point.bending != 0.0)
+            .collect();
         let parameters = kind.parameter_area(chart);
         let n = kind.vectors();
         let stride = (rows_per_point * rule.len()).next_multiple_of(8);
@@ -106,7 +139,9 @@ impl Table {
             stride,
             areas: Vec::with_capacity(rule.len()),
             curvature: Vec::with_capacity(rule.len()),
-            shape: Vec::with_capacity(rule.len() * width),
+            pressure: Vec::with_capacity(whole.len()),
+            membrane: None,
+            bending: None,
             mass: vec![0.0; width * width],
             middle: Default::default(),
         };
@@ -125,7 +160,24 @@ impl Table {
             let area = here.density * parameters;
             table.areas.push([membrane * area, bending * area]);
             table.curvature.push(here.curvature);
-            pad(&mut table.shape, &here.shape);
+        }
+        // Reduced rules would not be exact for a_1 x a_2, and closed surfaces would feel a force.
+        let pressure = match law.quadrature {
+            Quadrature::Reduced => kind.rule(Quadrature::Standard),
+            _ => whole,
+        };
+        for point in &pressure {
+            let Place { rows: [b1, b2, ..], density, shape, .. } =
+                place(kind, chart, reference, point.at)?;
+            let area = point.membrane * density * parameters;
+            table.pressure.push(PressurePoint { area, shape, rows: [b1, b2] });
+        }
+        let linear = law.material.linear();
+        if let Some(rule) = exact {
+            table.membrane = Some(Membrane::new(kind, &linear, &rule, chart, reference, width)?);
+        }
+        if kind.bends() && law.bending == Bending::Simplified {
+            table.bending = Some(invariants::bending(kind, &linear, chart, reference, width)?);
         }
         for point in kind.mass_rule() {
             let here = place(kind, chart, reference, point.at)?;
@@ -141,6 +193,11 @@ impl Table {
         Some(table)
     }
 
+    /// Whether parts of the energy are integrated already.
+    pub fn has_integrals(&self) -> bool {
+        self.membrane.is_some() || self.bending.is_some()
+    }
+
     /// Key under which equal tables are found: numbers to eleven digits.
     pub fn key(&self) -> Vec<i64> {
         let digits = |x: f64, scale: f64| {
@@ -149,13 +206,14 @@ impl Table {
             if y.is_finite() { y.round() as i64 } else { 0 }
         };
         let size = |numbers: &[f64]| numbers.iter().fold(f64::MIN_POSITIVE, |m, x| x.abs().max(m));
-        let mut key = Vec::with_capacity(self.rows.len());
-        for numbers in [&self.rows, &self.mass] {
+        let first: Vec<f64> = self.pressure.iter().flat_map(|point| point.rows.concat()).collect();
+        let mut key = Vec::with_capacity(self.rows.len() + first.len());
+        for numbers in [&self.rows, &first, &self.mass] {
             let scale = size(numbers);
             key.push(scale.to_bits() as i64 >> 16);
             key.extend(numbers.iter().map(|&x| digits(x, scale)));
         }
-        let flat = size(&self.rows);
+        let flat = size(&first);
         key.extend(self.curvature.iter().flatten().map(|&b| digits(b, flat)));
         key
     }

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use super::{SurfaceBlock, SurfaceLaw};
-use crate::elements::surface::{Chart, SurfaceKind};
+use crate::elements::cable::Bending;
+use crate::elements::surface::{Chart, Integrals, SurfaceKind};
 use crate::error::ElementError;
-use crate::integrals::surface::Table;
+use crate::integrals::surface::{Table, place};
 use crate::materials::PlaneStress;
 
 /// One element.
@@ -31,7 +32,7 @@ impl SurfaceBlock {
         law: SurfaceLaw,
         elements: &[SurfaceElement],
     ) -> Result<Self, ElementError> {
-        check_law(&law)?;
+        check_law(kind, &law)?;
         let n = kind.vectors();
         let mut block = Self {
             kind,
@@ -62,8 +63,14 @@ impl SurfaceBlock {
             if !(h > 0.0 && h.is_finite()) {
                 return Err(out_of_range("the thickness", h, "positive and finite"));
             }
-            let table = Table::new(kind, law.quadrature, &element.chart, &element.reference, width);
+            let table = Table::new(kind, &law, &element.chart, &element.reference, width);
             let table = table.ok_or(ElementError::Degenerate { face: e })?;
+            if law.bending == Bending::Simplified {
+                let curved = kind.bends() && !is_flat(kind, element);
+                if curved {
+                    return Err(ElementError::Curved { face: e });
+                }
+            }
             let next = block.tables.len() as u32;
             let number = *known.entry(table.key()).or_insert(next);
             if number == next {
@@ -78,7 +85,27 @@ impl SurfaceBlock {
     }
 }
 
-fn check_law(law: &SurfaceLaw) -> Result<(), ElementError> {
+/// Whether the stress-free surface has no curvature, to rounding.
+fn is_flat(kind: SurfaceKind, element: &SurfaceElement) -> bool {
+    kind.mass_rule().iter().all(|point| {
+        let Some(here) = place(kind, &element.chart, &element.reference, point.at) else {
+            return false;
+        };
+        let size = (here.density * kind.parameter_area(&element.chart)).sqrt();
+        here.curvature.iter().all(|b| b.abs() * size < 1e-9)
+    })
+}
+
+fn check_law(kind: SurfaceKind, law: &SurfaceLaw) -> Result<(), ElementError> {
+    let linear = matches!(law.material, PlaneStress::SaintVenantKirchhoff(_));
+    if law.integrals == Integrals::Precomputed && !(linear && kind.exact_rule().is_some()) {
+        return Err(ElementError::NotPrecomputed { kind: kind.name() });
+    }
+    let rubber = matches!(law.material, PlaneStress::NeoHookean(_));
+    let damped = law.retardation_time != 0.0;
+    if kind.bends() && law.bending == Bending::Simplified && (rubber || damped) {
+        return Err(ElementError::NotSimplified { kind: kind.name() });
+    }
     let linear = law.material.linear();
     let in_range = |ok: bool, name, value, range| {
         if ok { Ok(()) } else { Err(ElementError::LawOutOfRange { name, value, range }) }

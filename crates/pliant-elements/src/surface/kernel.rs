@@ -13,19 +13,20 @@ use super::point::{
     Frame, Hessian, PAIRS, Vectors, hessian, membrane_gradient, membrane_hessian, membrane_rates,
     membrane_strain,
 };
+use super::precomputed::{self, Blocks};
 use crate::element::{Motion, Weights};
 use crate::integrals::surface::Table;
 use crate::materials::Voigt;
 
 /// Rows of all points of a rule at most, padded.
-const MOST: usize = 96;
+const MOST: usize = 184;
 /// Points of a rule at most.
-const MOST_POINTS: usize = 18;
+const MOST_POINTS: usize = 36;
 /// Widest element.
-const WIDEST: usize = 16;
+pub(super) const WIDEST: usize = 16;
 
 /// Components of the nodal vectors, padded.
-type Nodal<const W: usize> = [[f64; W]; 3];
+pub(super) type Nodal<const W: usize> = [[f64; W]; 3];
 /// Components of row products.
 type Products = [[f64; MOST]; 3];
 
@@ -38,6 +39,7 @@ pub(crate) struct Scratch {
     products: [[f64; WIDEST]; MOST],
     hessians: [Hessian; MOST_POINTS],
     block: [[f64; WIDEST]; WIDEST],
+    precomputed: Blocks,
 }
 
 impl Default for Scratch {
@@ -49,6 +51,7 @@ impl Default for Scratch {
             products: [[0.0; WIDEST]; MOST],
             hessians: [[[[0.0; 5]; 5]; 6]; MOST_POINTS],
             block: [[0.0; WIDEST]; WIDEST],
+            precomputed: [[[0.0; WIDEST]; WIDEST]; 6],
         }
     }
 }
@@ -225,6 +228,11 @@ pub(super) fn residual<S: Simd, const W: usize, const R: usize>(
         }
         i += S::F64_LANES;
     }
+    if table.has_integrals() {
+        let q = gather::<W>(offsets, motion.q);
+        let v = block.is_damped().then(|| gather::<W>(offsets, motion.v));
+        precomputed::add_forces(block, table, h, &q, v.as_ref(), &mut f);
+    }
     f
 }
 
@@ -374,7 +382,13 @@ pub(super) fn tangent<S: Simd, const W: usize, const R: usize>(
     let n = offsets.len();
     let count = R * table.points;
     let mass = weights.mass * block.density * h;
-    let Scratch { rows, products, hessians, block: part, .. } = scratch;
+    let Scratch { rows, products, hessians, block: part, precomputed: blocks, .. } = scratch;
+    if table.has_integrals() {
+        let q = gather::<W>(offsets, motion.q);
+        let moving = predicted || block.is_damped();
+        let v = moving.then(|| gather::<W>(offsets, motion.v));
+        precomputed::tangents(block, table, h, &q, (v.as_ref(), predicted), weights, blocks);
+    }
     for (pair, (c, d)) in PAIRS.into_iter().enumerate() {
         for p in 0..table.points {
             let x = &hessians[p][pair];
@@ -418,6 +432,13 @@ pub(super) fn tangent<S: Simd, const W: usize, const R: usize>(
                 }
             }
             j += S::F64_LANES;
+        }
+        if table.has_integrals() {
+            for (part, more) in part.iter_mut().zip(&blocks[pair]) {
+                for (part, more) in part.iter_mut().zip(more) {
+                    *part += more;
+                }
+            }
         }
         scatter(part, n, c, d, out);
     }

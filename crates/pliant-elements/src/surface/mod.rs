@@ -8,6 +8,7 @@ mod build;
 mod kernel;
 mod output;
 mod point;
+mod precomputed;
 mod pressure;
 mod scalar;
 mod volume;
@@ -16,7 +17,8 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::element::{Block, Momentum, Motion, Slot, Weights, Workspace};
-use crate::elements::surface::{Quadrature, SurfaceKind};
+use crate::elements::cable::Bending;
+use crate::elements::surface::{Integrals, Quadrature, SurfaceKind};
 use crate::integrals::surface::Table;
 use crate::materials::{PlaneStress, SaintVenantKirchhoff};
 pub use build::SurfaceElement;
@@ -37,6 +39,17 @@ pub struct SurfaceLaw {
     pub density: f64,
     /// Quadrature of the elastic energy.
     pub quadrature: Quadrature,
+    /// How the membrane's energy is integrated.
+    pub integrals: Integrals,
+    /// Curvature of the surface, or second derivatives of its position (flat and little strained surfaces).
+    pub bending: Bending,
+}
+
+impl SurfaceLaw {
+    /// Rows of shape functions at a point: second derivatives where curvature is measured.
+    pub(crate) fn rows(&self, kind: SurfaceKind) -> usize {
+        if kind.bends() && self.bending == Bending::Exact { 5 } else { 2 }
+    }
 }
 
 /// Surface elements of one kind and one law.
@@ -60,10 +73,11 @@ pub struct SurfaceBlock {
 /// Chooses the kernel for the width and the rows of a kind.
 macro_rules! with_shape {
     ($block:expr, $function:ident :: <S, ..> ( $($argument:expr),* )) => {
-        match ($block.kind.bends(), $block.width()) {
-            (true, 16) => $function::<S, 16, 5>($($argument),*),
-            (true, _) => $function::<S, 8, 5>($($argument),*),
-            (false, _) => $function::<S, 8, 2>($($argument),*),
+        match ($block.rows(), $block.width()) {
+            (5, 16) => $function::<S, 16, 5>($($argument),*),
+            (5, _) => $function::<S, 8, 5>($($argument),*),
+            (_, 16) => $function::<S, 16, 2>($($argument),*),
+            (_, _) => $function::<S, 8, 2>($($argument),*),
         }
     };
 }
@@ -91,6 +105,11 @@ impl SurfaceBlock {
     /// Number of nodal vectors with padding.
     fn width(&self) -> usize {
         self.kind.vectors().next_multiple_of(8)
+    }
+
+    /// Rows of shape functions at a point.
+    fn rows(&self) -> usize {
+        self.law.rows(self.kind)
     }
 
     fn entries(&self) -> usize {

@@ -44,7 +44,7 @@ impl SurfaceBlock {
     #[must_use]
     pub fn stiffness_scale(&self, e: usize) -> f64 {
         let (table, _, h) = self.element(e);
-        let area: f64 = table.areas.iter().map(|a| a[0]).sum();
+        let area: f64 = table.pressure.iter().map(|point| point.area).sum();
         self.linear.youngs_modulus * h * area
     }
 }

@@ -36,16 +36,12 @@ impl SurfaceBlock {
     ) {
         let (table, _, _) = self.element(e);
         let q = local(&self.local(e, q));
-        let (width, rows) = (self.width(), if self.kind.bends() { 5 } else { 2 });
-        for p in 0..table.points {
-            let row = |s: usize| &table.rows[(rows * p + s) * width..][..q.len()];
-            let sum = |s: usize| {
-                q.iter().zip(row(s)).fold(Vec3::zero(0.0), |sum, (&q, &w)| sum.add_times(w, q))
+        for point in &table.pressure {
+            let sum = |row: &[f64]| {
+                q.iter().zip(row).fold(Vec3::zero(0.0), |sum, (&q, &w)| sum.add_times(w, q))
             };
-            let shape = &table.shape[p * width..][..q.len()];
-            // The rule of the bending part is never a mixture: exact for a_1 x a_2, so that closed surfaces feel no force.
-            let area = table.areas[p][usize::from(self.kind.bends())];
-            work(area, shape, [row(0), row(1)], [sum(0), sum(1)]);
+            let [b1, b2] = &point.rows;
+            work(point.area, &point.shape, [b1, b2], [sum(b1), sum(b2)]);
         }
     }
 

@@ -4,6 +4,7 @@ use pliant_math::{Dual, Real, Vec3};
 
 use super::SurfaceBlock;
 use super::point::{Frame, Vectors, membrane_gradient, membrane_rates, membrane_strain};
+use super::precomputed;
 use crate::element::{Block, Momentum, Motion, Weights, Workspace};
 use crate::integrals::surface::Table;
 use crate::materials::Voigt;
@@ -16,7 +17,7 @@ pub(super) fn vectors_at<T: Real>(
     q: &[Vec3<T>],
 ) -> Vectors<T> {
     let (width, zero) = (block.width(), q[0].x.zero());
-    let rows = if block.kind.bends() { 5 } else { 2 };
+    let rows = block.rows();
     let sum = |s: usize| {
         if s >= rows {
             return Vec3::zero(zero);
@@ -46,12 +47,12 @@ impl SurfaceBlock {
         let (table, _, h) = self.element(e);
         let q = local(q);
         let material = &self.law.material;
-        let mut sum = q[0].x.zero();
-        let none = [sum; 3];
+        let mut sum = precomputed::energy(self, table, h, &q);
+        let none = [sum.zero(); 3];
         for p in 0..table.points {
             let x = vectors_at(self, table, p, &q);
             let [membrane, bending] = table.areas[p];
-            if !self.kind.bends() {
+            if self.rows() == 2 {
                 sum = sum + material.energy(h, membrane_strain(&x.a), none).scale(membrane);
                 continue;
             }
@@ -82,13 +83,14 @@ impl SurfaceBlock {
             }
             n
         };
-        let (width, rows) = (self.width(), if self.kind.bends() { 5 } else { 2 });
+        let (width, rows) = (self.width(), self.rows());
+        precomputed::add_force_of(self, table, h, (&q, &v), &mut force);
         for p in 0..table.points {
             let x = vectors_at(self, table, p, &q);
             let rate = vectors_at(self, table, p, &v);
             let [membrane, bending] = table.areas[p];
             let mut on = [Vec3::zero(zero); 5];
-            if self.kind.bends() {
+            if rows == 5 {
                 let frame = Frame::new(&x, table.curvature[p]);
                 let [n, m] = self.law.material.resultants(h, frame.membrane, frame.bending);
                 let [e, k] = frame.rates(&x, &rate);

@@ -3,7 +3,8 @@
 
 use pliant_elements::materials::{NeoHookean, PlaneStress, SaintVenantKirchhoff, TensionField};
 use pliant_elements::{
-    Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceElement, SurfaceKind, SurfaceLaw,
+    Bending, Integrals, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceElement,
+    SurfaceKind, SurfaceLaw,
 };
 
 /// Young's modulus and thickness at which stretching and bending weigh alike.
@@ -87,7 +88,14 @@ pub fn elastic() -> SaintVenantKirchhoff {
 }
 
 pub fn law(material: PlaneStress) -> SurfaceLaw {
-    SurfaceLaw { material, retardation_time: 0.0, density: RHO, quadrature: Quadrature::Standard }
+    SurfaceLaw {
+        material,
+        retardation_time: 0.0,
+        density: RHO,
+        quadrature: Quadrature::Standard,
+        integrals: Integrals::Quadrature,
+        bending: Bending::Exact,
+    }
 }
 
 pub fn svk() -> SurfaceLaw {
@@ -117,12 +125,36 @@ pub fn cases() -> Vec<(SurfaceKind, SurfaceLaw)> {
         for quadrature in [Quadrature::Reduced, Quadrature::Full] {
             cases.push((kind, SurfaceLaw { quadrature, ..svk() }));
         }
+        cases.extend(options(kind).into_iter().map(|law| (kind, law)));
     }
     cases
 }
 
-/// Two curved elements (or four triangles).
+/// Laws with precomputed integrals and simplified bending, where the kind has them.
+pub fn options(kind: SurfaceKind) -> Vec<SurfaceLaw> {
+    let bendings: &[Bending] =
+        if kind.bends() { &[Bending::Exact, Bending::Simplified] } else { &[Bending::Exact] };
+    let integrals: &[Integrals] = match kind.exact_rule() {
+        Some(_) => &[Integrals::Quadrature, Integrals::Precomputed],
+        None => &[Integrals::Quadrature],
+    };
+    let mut laws = Vec::new();
+    for &bending in bendings {
+        for &integrals in integrals {
+            for retardation_time in [0.0, 0.01] {
+                let plain = integrals == Integrals::Quadrature && bending == Bending::Exact;
+                if !(plain || bending == Bending::Simplified && retardation_time > 0.0) {
+                    laws.push(SurfaceLaw { bending, integrals, retardation_time, ..svk() });
+                }
+            }
+        }
+    }
+    laws
+}
+
+/// Two curved elements (or four triangles); flat ones for simplified bending.
 pub fn example(kind: SurfaceKind, law: SurfaceLaw) -> (SurfaceBlock, Vec<f64>) {
+    let curved = if law.bending == Bending::Simplified { flat } else { curved };
     mesh(kind, law, curved, [2, 1], [0.5, 0.4])
 }
 

@@ -4,10 +4,14 @@ use crate::document::Arrays;
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::model::{FacePlace, Placed};
-use crate::spec::{ModelSpec, QuadratureSpec, SurfaceMaterialSpec, SurfaceSpec};
+use crate::spec::{
+    BendingSpec, IntegralsSpec, ModelSpec, QuadratureSpec, SurfaceMaterialSpec, SurfaceSpec,
+};
 use pliant_dae::structure::Structure;
 use pliant_elements::materials::{NeoHookean, PlaneStress, SaintVenantKirchhoff, TensionField};
-use pliant_elements::{Block, Quadrature, SurfaceBlock, SurfaceElement, SurfaceLaw};
+use pliant_elements::{
+    Bending, Block, Integrals, Quadrature, SurfaceBlock, SurfaceElement, SurfaceLaw,
+};
 use std::sync::Arc;
 
 fn law(surface: &SurfaceSpec, bends: bool) -> SurfaceLaw {
@@ -36,6 +40,14 @@ fn law(surface: &SurfaceSpec, bends: bool) -> SurfaceLaw {
             QuadratureSpec::Standard => Quadrature::Standard,
             QuadratureSpec::Reduced => Quadrature::Reduced,
             QuadratureSpec::Full => Quadrature::Full,
+        },
+        bending: match surface.bending {
+            BendingSpec::Exact => Bending::Exact,
+            BendingSpec::Simplified => Bending::Simplified,
+        },
+        integrals: match surface.integrals {
+            IntegralsSpec::Quadrature => Integrals::Quadrature,
+            IntegralsSpec::Precomputed => Integrals::Precomputed,
         },
     }
 }
