@@ -648,7 +648,29 @@ def make_surface(
     return _with_velocity(body, velocity, angular_velocity)
 
 
-ba
+class Discretised(NamedTuple):
+    """Element, faces, parameters, stress-free nodal vectors; ``source``: the face of the mesh each was."""
+
+    element: str
+    quads: IntArray
+    triangles: IntArray
+    quad_sizes: FloatArray
+    triangle_charts: FloatArray
+    reference: FloatArray
+    thickness: FloatArray
+    source: IntArray
+    turns: FloatArray = np.empty((0, 2, 2))
+
+
+def _is_flat(reference: FloatArray) -> bool:
+    """Whether all nodal vectors lie in one plane."""
+    places = reference[:, 0] - reference[:, 0].mean(axis=0)
+    normal = np.linalg.svd(places, full_matrices=False)[2][-1]
+    sizes = np.abs(reference).max(axis=(0, 2))
+    sizes[0] = np.abs(places).max()
+    off = np.abs(np.concatenate([places[:, None], reference[:, 1:]], axis=1) @ normal).max(axis=0)
+    return bool(np.all(off <= 1e-9 * np.maximum(sizes, 1e-300)))
+
 
 def _discretise(mesh: Mesh, kind: str, element: str, h: FloatArray) -> Discretised:
     quads, triangles = mesh.quads, mesh.triangles

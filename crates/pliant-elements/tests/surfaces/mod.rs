@@ -3,8 +3,8 @@
 
 use pliant_elements::materials::{NeoHookean, PlaneStress, SaintVenantKirchhoff, TensionField};
 use pliant_elements::{
-    Bending, Integrals, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceElement,
-    SurfaceKind, SurfaceLaw,
+    Bending, Integrals, Quadrature, SURFACE_KINDS, SurfaceBlock, SurfaceElement, SurfaceKind,
+    SurfaceLaw,
 };
 
 /// Young's modulus and thickness at which stretching and bending weigh alike.

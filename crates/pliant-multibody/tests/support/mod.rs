@@ -71,6 +71,9 @@ pub fn sheet([nu, nv]: [usize; 2], [a, b]: [f64; 2], e: f64, h: f64) -> SurfaceS
         density: 10.0,
         retardation_time: 0.0,
         quadrature: QuadratureSpec::Standard,
+        bending: BendingSpec::Exact,
+        integrals: IntegralsSpec::Quadrature,
+        turns: none(),
     }
 }
 
