@@ -532,3 +532,36 @@ fn rest_curvature_has_its_gradient_and_second_derivative() {
         assert!(relative_error(&rows, &slope) < 1e-6, "{kind:?} {law:?}");
     });
 }
+
+/// Damping of a film: the linear law's where it is taut, none where it hangs slack, never a gain. The energy of a film
+/// without residual stiffness is convex in the strain.
+#[test]
+fn film_is_damped_where_it_pulls() {
+    let kind = SurfaceKind::QuadMembrane;
+    let [_, _, _, film] = surfaces::materials(kind)[..] else { panic!("four materials") };
+    let PlaneStress::TensionField(mut ideal) = film else { panic!("a film") };
+    ideal.residual_stiffness = 0.0;
+    let material = PlaneStress::TensionField(ideal);
+    let none = [0.0; 3];
+    for number in 0..200 {
+        let x = Random(number).vector(6);
+        let (e, rate) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
+        let [at_rest, _] = material.resultants(0.1, e, none);
+        let moved = [0, 1, 2].map(|k| e[k] + 0.3 * rate[k]);
+        let [moving, _] = material.resultants(0.1, moved, none);
+        let power: f64 = (0..3).map(|k| (moving[k] - at_rest[k]) * rate[k]).sum();
+        assert!(power >= -1e-12 * surfaces::E, "{e:?} {rate:?}: {power}");
+    }
+    let tau = 0.01;
+    let damped = |material| SurfaceLaw { material, retardation_time: tau, ..surfaces::svk() };
+    let elastic = PlaneStress::SaintVenantKirchhoff(ideal.elastic);
+    let (film, q) = example(kind, damped(material));
+    let (sheet, _) = example(kind, damped(elastic));
+    for (stretch, rate, pulls) in [(1.05, 0.5, true), (0.9, -0.5, false), (0.9, 0.5, false)] {
+        let x: Vec<f64> = q.iter().map(|q| stretch * q).collect();
+        let v: Vec<f64> = q.iter().map(|q| rate * q).collect();
+        let loss = film.dissipation(&x, &v);
+        let expected = if pulls { sheet.dissipation(&x, &v) } else { 0.0 };
+        assert!((loss - expected).abs() <= 1e-12 * expected, "{stretch}: {loss} {expected}");
+    }
+}

@@ -83,6 +83,15 @@ impl PlaneStress {
         }
     }
 
+    /// Whether damping acts inside the law, `N = N(E + tau E')`, and not beside it, `N(E) + tau h C E'`.
+    ///
+    /// A film must not push, however fast it is folded. Where W is convex, `(N(E + tau E') - N(E)) : tau E' >= 0`:
+    /// what damping takes is never negative, and where the film is taut it is the linear law's.
+    #[must_use]
+    pub fn is_one_sided(&self) -> bool {
+        matches!(self, Self::TensionField(_))
+    }
+
     /// Whether membrane forces depend on curvature.
     #[must_use]
     pub fn is_coupled(&self) -> bool {

@@ -135,6 +135,17 @@ fn add(to: &mut Voigt<f64>, factor: f64, x: Voigt<f64>) {
     }
 }
 
+/// The membrane strain that the law sees.
+#[inline(always)]
+fn seen(block: &SurfaceBlock, mut e: Voigt<f64>, rates: Option<[Voigt<f64>; 2]>) -> Voigt<f64> {
+    if let Some([rate, _]) = rates
+        && block.law.material.is_one_sided()
+    {
+        add(&mut e, block.law.retardation_time, rate);
+    }
+    e
+}
+
 /// Resultants at a strain and its rate, for each area of the point.
 #[inline(always)]
 fn resultants(
@@ -144,11 +155,13 @@ fn resultants(
     rates: Option<[Voigt<f64>; 2]>,
     areas: [f64; 2],
 ) -> [Voigt<f64>; 2] {
-    let [mut n, mut m] = block.law.material.resultants(h, e, k);
+    let [mut n, mut m] = block.law.material.resultants(h, seen(block, e, rates), k);
     if let Some([e, k]) = rates {
         let tau = block.law.retardation_time;
         let linear = block.linear;
-        add(&mut n, tau * h, linear.stress(e));
+        if !block.law.material.is_one_sided() {
+            add(&mut n, tau * h, linear.stress(e));
+        }
         add(&mut m, tau * h * h * h / 12.0, linear.stress(k));
     }
     (n, m) = (n.map(|n| areas[0] * n), m.map(|m| areas[1] * m));
@@ -290,23 +303,26 @@ fn linearise<S: Simd, const W: usize, const R: usize>(
         let here = vectors::<R>(x, p);
         let rate = if moving { Some(vectors::<R>(v, p)) } else { None };
         let [membrane, bending] = table.areas[p];
-        let scaled = |e: Voigt<f64>, k: Voigt<f64>| {
-            let mut d = block.law.material.stiffness(h, e, k);
+        let scaled = |[e, k]: [Voigt<f64>; 2], rates: Option<[Voigt<f64>; 2]>| {
+            let mut d = block.law.material.stiffness(h, seen(block, e, rates), k);
+            let within = block.law.material.is_one_sided();
+            let tau = weights.damping * block.law.retardation_time;
+            let along = weights.stiffness + if within { tau } else { 0.0 };
             for i in 0..3 {
                 for j in 0..3 {
-                    d[i][j] *= weights.stiffness * membrane;
+                    d[i][j] *= along * membrane;
                     d[i][3 + j] *= weights.stiffness * bending;
                     d[3 + i][j] *= weights.stiffness * bending;
                     d[3 + i][3 + j] *= weights.stiffness * bending;
                 }
             }
             if block.is_damped() {
-                let tau = weights.damping * block.law.retardation_time * h;
                 let c = block.linear.matrix();
+                let beside = if within { 0.0 } else { tau * h * membrane };
                 for i in 0..3 {
                     for j in 0..3 {
-                        d[i][j] += tau * membrane * c[i][j];
-                        d[3 + i][3 + j] += tau * bending * h * h / 12.0 * c[i][j];
+                        d[i][j] += beside * c[i][j];
+                        d[3 + i][3 + j] += tau * h * h * h / 12.0 * bending * c[i][j];
                     }
                 }
             }
@@ -320,16 +336,17 @@ fn linearise<S: Simd, const W: usize, const R: usize>(
         if R == 5 {
             let frame = Frame::new(&here, table.curvature[p]);
             let strains = [frame.membrane, frame.bending];
+            let rates = match rate {
+                Some(rate) if !predicted => Some(frame.rates(&here, &rate)),
+                _ => None,
+            };
             let [n, m] = match rate {
                 Some(d) if predicted => {
                     predict::<R>(block, h, &here, &d, table.curvature[p], geometric)
                 }
-                Some(rate) => {
-                    resultants(block, h, strains, Some(frame.rates(&here, &rate)), geometric)
-                }
-                None => resultants(block, h, strains, None, geometric),
+                _ => resultants(block, h, strains, rates, geometric),
             };
-            let d = scaled(frame.membrane, frame.bending);
+            let d = scaled(strains, rates);
             hessian(&frame, &here, n, m, &d, &mut hessians[p]);
             for k in 0..3 {
                 // Covariant second derivative: W_ij = H_ij - G^c_ij B_c.
@@ -348,15 +365,15 @@ fn linearise<S: Simd, const W: usize, const R: usize>(
             }
         } else {
             let strain = [membrane_strain(&here.a), [0.0; 3]];
+            let rates = match rate {
+                Some(rate) if !predicted => Some([membrane_rates(&here.a, &rate.a), [0.0; 3]]),
+                _ => None,
+            };
             let [n, _] = match rate {
                 Some(d) if predicted => predict::<R>(block, h, &here, &d, [0.0; 3], geometric),
-                Some(rate) => {
-                    let rates = [membrane_rates(&here.a, &rate.a), [0.0; 3]];
-                    resultants(block, h, strain, Some(rates), geometric)
-                }
-                None => resultants(block, h, strain, None, geometric),
+                _ => resultants(block, h, strain, rates, geometric),
             };
-            let d = scaled(strain[0], strain[1]);
+            let d = scaled(strain, rates);
             membrane_hessian(&here.a, n, &d, &mut hessians[p]);
         }
     }

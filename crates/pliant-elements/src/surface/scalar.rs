@@ -74,8 +74,14 @@ impl SurfaceBlock {
         let zero = q[0].x.zero();
         let mut force = vec![Vec3::zero(zero); q.len()];
         let tau = self.law.retardation_time;
+        let within = self.law.material.is_one_sided();
+        // The membrane strain that the law sees.
+        let seen = |e: Voigt<T>, rate: Voigt<T>| {
+            let tau = if within { tau } else { 0.0 };
+            [0, 1, 2].map(|k| e[k] + rate[k].scale(tau))
+        };
         let viscous = |mut n: Voigt<T>, rate: Voigt<T>, factor: f64| {
-            if tau != 0.0 {
+            if tau != 0.0 && factor != 0.0 {
                 let s = self.linear.stress(rate);
                 for k in 0..3 {
                     n[k] = n[k] + s[k].scale(tau * factor);
@@ -83,6 +89,7 @@ impl SurfaceBlock {
             }
             n
         };
+        let beside = if within { 0.0 } else { h };
         let (width, rows) = (self.width(), self.rows());
         precomputed::add_force_of(self, table, h, (&q, &v), &mut force);
         for p in 0..table.points {
@@ -92,17 +99,20 @@ impl SurfaceBlock {
             let mut on = [Vec3::zero(zero); 5];
             if rows == 5 {
                 let frame = Frame::new(&x, table.curvature[p]);
-                let [n, m] = self.law.material.resultants(h, frame.membrane, frame.bending);
                 let [e, k] = frame.rates(&x, &rate);
-                let n = viscous(n, e, h).map(|n| n.scale(membrane));
+                let strain = seen(frame.membrane, e);
+                let [n, m] = self.law.material.resultants(h, strain, frame.bending);
+                let n = viscous(n, e, beside).map(|n| n.scale(membrane));
                 let m = viscous(m, k, h * h * h / 12.0).map(|m| m.scale(bending));
                 let gradient = frame.gradient(&x, n, m);
                 on[..2].copy_from_slice(&gradient.a);
                 on[2..].copy_from_slice(&gradient.h);
             } else {
                 let none = [zero; 3];
-                let [n, _] = self.law.material.resultants(h, membrane_strain(&x.a), none);
-                let n = viscous(n, membrane_rates(&x.a, &rate.a), h).map(|n| n.scale(membrane));
+                let e = membrane_rates(&x.a, &rate.a);
+                let strain = seen(membrane_strain(&x.a), e);
+                let [n, _] = self.law.material.resultants(h, strain, none);
+                let n = viscous(n, e, beside).map(|n| n.scale(membrane));
                 on[..2].copy_from_slice(&membrane_gradient(&x.a, n));
             }
             for (s, on) in on[..rows].iter().enumerate() {

@@ -3,7 +3,7 @@
 
 use pliant_multibody::spec::{
     Array, BendingSpec, CableSpec, ContactSpec, FrictionSpec, IntegrationSpec, JointSpec,
-    MasterSpec, ModelSpec, PointSpec, QuadratureSpec, StrainSpec, SurfaceMaterialSpec, SurfaceSpec,
+    MasterSpec, ModelSpec, PointSpec, QuadratureSpec, IntegralsSpec, StrainSpec, SurfaceMaterialSpec, SurfaceSpec,
     VERSION,
 };
 use std::f64::consts::PI;
