@@ -19,6 +19,11 @@ use crate::scaling::{first_not_finite, largest, magnitude, weighted_max, worst};
 pub use crate::state::{FactorPoint, State};
 use crate::statistics::Stopwatch;
 
+/// Part of a slope that may be left over, with the other sign, before an increment is shortened.
+const OVERSHOOT: f64 = 0.5;
+/// Evaluations of a line search at most.
+const SEARCHES: usize = 8;
+
 impl<P: Problem> Integrator<P> {
     /// One step to time `t`, `h` away; on failure the state is unchanged.
     pub(crate) fn step_to(&mut self, t: f64, h: f64) -> Result<StepReport, Error> {
@@ -104,21 +109,35 @@ impl<P: Problem> Integrator<P> {
             watch.lap(&mut self.statistics.seconds.other);
             self.factor(h, watch)?;
         }
+        let kinks = self.problem.has_kinks();
+        let mut newton = self.options.newton;
+        if kinks {
+            // Shortened increments are many, and none is in vain.
+            newton.max_iterations *= 3;
+        }
         loop {
             let floor = self.state.factor.floor;
             watch.lap(&mut self.statistics.seconds.other);
             let phi = self.residual(h, watch)?;
+            if kinks {
+                self.work.direction.clone_from(&self.work.x);
+            }
             self.solver.correct(&mut self.work.x);
             watch.lap(&mut self.statistics.seconds.solve);
-            let size = self.update(h);
+            let mut size = self.update(h);
             self.statistics.newton_iterations += 1;
             self.state.factor.age.iterations += 1;
-            let mut verdict = self.work.monitor.judge(size, phi, floor, &self.options.newton);
+            let part = if kinks { self.shorten(h, watch)? } else { 1.0 };
+            size *= part;
+            let mut verdict = self.work.monitor.judge(size, phi, floor, &newton);
+            if part < 1.0 && verdict != Verdict::Failed {
+                verdict = self.work.monitor.after_shortening(&newton);
+            }
             if verdict == Verdict::Stalled {
                 verdict = if self.is_rounding_noise(size)? {
                     Verdict::Converged
                 } else {
-                    self.work.monitor.after_stall(floor, &self.options.newton)
+                    self.work.monitor.after_stall(floor, &newton)
                 };
             }
             match verdict {
@@ -131,6 +150,56 @@ impl<P: Problem> Integrator<P> {
                 Verdict::Continue | Verdict::Stalled => {}
             }
         }
+    }
+
+    /// Line search along the increment `d` that was just made, `direction` holding the right-hand side r that it
+    /// answers; returns the part of it that is kept. Where forces have a potential, `d.r` is minus its slope: it
+    /// changes its sign where the increment goes too far.
+    fn shorten(&mut self, h: f64, watch: &mut Stopwatch) -> Result<f64, Error> {
+        std::mem::swap(&mut self.work.direction, &mut self.work.x);
+        let part = self.search(h, watch);
+        // Failures are told by increments.
+        std::mem::swap(&mut self.work.direction, &mut self.work.x);
+        part
+    }
+
+    /// The search: `direction` holds the increment and `x` the right-hand side.
+    fn search(&mut self, h: f64, watch: &mut Stopwatch) -> Result<f64, Error> {
+        let n = self.work.next.v.len();
+        let dot =
+            |a: &[f64], b: &[f64]| -> f64 { a[..n].iter().zip(&b[..n]).map(|(a, b)| a * b).sum() };
+        let start = dot(&self.work.direction, &self.work.x);
+        let mut slope = |this: &mut Self| -> Result<f64, Error> {
+            this.residual(h, watch)?;
+            Ok(dot(&this.work.direction, &this.work.x))
+        };
+        let full = slope(self)?;
+        if start <= 0.0 || full >= -OVERSHOOT * start {
+            return Ok(1.0);
+        }
+        // Illinois' rule between the ends (0, start) and (1, full).
+        let (mut low, mut high) = ((0.0, start), (1.0, full));
+        let mut part = 1.0;
+        for _ in 0..SEARCHES {
+            let next = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            for (x, d) in self.work.x.iter_mut().zip(&self.work.direction) {
+                *x = (next - part) * d;
+            }
+            self.update(h);
+            part = next;
+            let here = slope(self)?;
+            if here.abs() <= OVERSHOOT * start {
+                break;
+            }
+            if here > 0.0 {
+                low = (next, here);
+                high.1 *= 0.5;
+            } else {
+                high = (next, here);
+                low.1 *= 0.5;
+            }
+        }
+        Ok(part)
     }
 
     /// Right-hand side `-(beta h^2 force, phi)`; returns the constraints' norm.

@@ -66,6 +66,8 @@ pub(crate) struct Workspace {
     pub(crate) delta: Vec<f64>,
     /// Residual, then increments of the unknowns.
     pub(crate) x: Vec<f64>,
+    /// Increment of the unknowns that may be shortened.
+    pub(crate) direction: Vec<f64>,
     /// Element values of the iteration matrix.
     pub(crate) values: Vec<f64>,
     pub(crate) inverse_scale: Vec<f64>,
@@ -130,6 +132,7 @@ impl<P: Problem> Integrator<P> {
             next: state.clone(),
             delta: vec![0.0; if problem.is_flat() { 0 } else { n }],
             x: vec![0.0; n + m],
+            direction: Vec::new(),
             values: vec![0.0; problem.structure().values()],
             inverse_scale: inverse(problem.scale()),
             inverse_constraint_scale: inverse(problem.constraint_scale()),

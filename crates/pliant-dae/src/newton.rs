@@ -117,6 +117,16 @@ impl Monitor {
         options.tolerance.min(options.reduction * first).max(floor)
     }
 
+    /// What to do after an increment that was shortened: its size says nothing about convergence.
+    pub(crate) fn after_shortening(&mut self, options: &NewtonOptions) -> Verdict {
+        self.growths = 0;
+        if self.increments.len() >= options.max_iterations {
+            Verdict::Failed
+        } else {
+            Verdict::Refactor
+        }
+    }
+
     /// What to do when a stall was not rounding noise.
     pub(crate) fn after_stall(&self, floor: f64, options: &NewtonOptions) -> Verdict {
         let exhausted = self.increments.len() >= options.max_iterations;

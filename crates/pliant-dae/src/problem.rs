@@ -95,6 +95,12 @@ pub trait Problem: Send {
         true
     }
 
+    /// Whether forces have many kinks, such as those of parts that pull but do not push: steps of Newton's iteration
+    /// that go too far are shortened then.
+    fn has_kinks(&self) -> bool {
+        false
+    }
+
     /// `force = M a + f + phi_q^T lambda_`, `phi`; both overwritten.
     ///
     /// # Errors

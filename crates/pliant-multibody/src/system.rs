@@ -618,6 +618,11 @@ impl Problem for System {
             || self.model.forces.iter().any(|f| f.force.has_damping())
     }
 
+    /// Films that wrinkle.
+    fn has_kinks(&self) -> bool {
+        self.model.blocks.surfaces.iter().any(|p| p.block.law().material.is_one_sided())
+    }
+
     fn residual(
         &mut self,
         at: Point<'_>,

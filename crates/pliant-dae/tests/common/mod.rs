@@ -183,6 +183,10 @@ pub struct Truss {
     ones: Vec<f64>,
     /// Force of a cubic spring to the ground at every node.
     pub cubic: f64,
+    /// Whether bars are strings, which pull and do not push.
+    pub strings: bool,
+    /// Whether the integrator is told.
+    pub tells_kinks: bool,
 }
 
 impl Truss {
@@ -200,6 +204,8 @@ impl Truss {
             scale: vec![1.0; 2 * n],
             ones: Vec::new(),
             cubic: 0.0,
+            strings: false,
+            tells_kinks: false,
         };
         truss.build();
         truss
@@ -273,6 +279,9 @@ impl Problem for Truss {
     fn constraint_scale(&self) -> &[f64] {
         &self.ones
     }
+    fn has_kinks(&self) -> bool {
+        self.tells_kinks
+    }
     fn has_damping(&self) -> bool {
         false
     }
@@ -290,6 +299,7 @@ impl Problem for Truss {
         for &(i, j, l0) in &self.bars {
             let d = [at.q[2 * j] - at.q[2 * i], at.q[2 * j + 1] - at.q[2 * i + 1]];
             let strain = 0.5 * (d[0] * d[0] + d[1] * d[1] - l0 * l0) / (l0 * l0);
+            let strain = if self.strings { strain.max(0.0) } else { strain };
             for c in 0..2 {
                 force[2 * i + c] -= self.ea * strain * d[c] / l0;
                 force[2 * j + c] += self.ea * strain * d[c] / l0;
@@ -335,6 +345,9 @@ impl Problem for Truss {
             let k = next(4);
             let d = [at.q[2 * j] - at.q[2 * i], at.q[2 * j + 1] - at.q[2 * i + 1]];
             let strain = 0.5 * (d[0] * d[0] + d[1] * d[1] - l0 * l0) / (l0 * l0);
+            if self.strings && strain <= 0.0 {
+                continue;
+            }
             for a in 0..2 {
                 for b in 0..2 {
                     let unit = if a == b { 1.0 } else { 0.0 };
