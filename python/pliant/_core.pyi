@@ -148,6 +148,16 @@ class System:
     def surface_strain(self, surface: int, q: FloatArray) -> FloatArray:
         """Membrane strain (11, 22, 12), change of curvature (11, 22, 12) [1/m] and regime at the middle of
         each face, (n, faces, 7)."""
+    def cut_force(
+        self,
+        surface: int,
+        chosen: list[bool],
+        gravity: FloatArray,
+        q: FloatArray,
+        v: FloatArray,
+        a: FloatArray,
+    ) -> FloatArray:
+        """Force [N] that the rest of the surface exerts on the chosen faces, shape (n, 3)."""
     def surface_center(self, surface: int, q: FloatArray) -> FloatArray:
         """Centre of mass [m], (n, 3)."""
     def surface_mass(self, surface: int) -> float: ...

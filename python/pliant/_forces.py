@@ -27,6 +27,7 @@ from pliant.readings import (
 )
 from pliant.records import by_blocks
 from pliant.signals import scaled
+from pliant.surfaces import Faces
 from pliant.typing import FloatArray
 
 __all__ = ["Forces"]
@@ -251,6 +252,53 @@ class Forces(Lookup):
         total = np.add.reduceat(force * data.lengths, starts, axis=1)
         mean: FloatArray = total / np.add.reduceat(data.lengths, starts)
         return mean
+
+    def cut_force(self, faces: Faces) -> FloatArray:
+        """Force [N] through a cut: what the rest of a surface exerts on some of its faces, (n, 3).
+
+        The cut is the line of nodes that these faces share with others; inertia, damping and gravity of the
+        faces are accounted for, so that it balances with the momentum of what it holds to rounding. What acts
+        on the line itself, pressure on the faces beside it, too, counts as acting on the rest.
+
+        Parameters
+        ----------
+        faces : Faces
+            Such as ``sheet.faces(mask)``.
+
+        Examples
+        --------
+        >>> import pliant as pl
+        >>> model = pl.Model(gravity=(0, 0, -9.81))
+        >>> film = pl.SaintVenantKirchhoff(youngs_modulus=2e9, poisson_ratio=0.3, density=1400.0)
+        >>> mesh = pl.Mesh([(0, 0, 0), (1, 0, 0), (0, 0, -1), (1, 0, -1), (0, 0, -2), (1, 0, -2)],
+        ...                quads=[(0, 2, 3, 1), (2, 4, 5, 3)])
+        >>> curtain = model.add_membrane(mesh, thickness=1e-5, material=film)
+        >>> rail = model.pin(curtain.edge([(0, 0, 0), (1, 0, 0)]))
+        >>> result = pl.solve_static(model)
+        >>> print(f"{result.cut_force(curtain.faces([1]))[-1, 2]:.5f}")
+        0.13734
+        """
+        if not isinstance(faces, Faces):
+            _check.fail("faces", faces, "must be faces of a surface, such as sheet.faces([0, 1])")
+        self.model._check_part(faces, "faces")
+        name = self._name(faces.body)
+        chosen = np.zeros(self.model._surface(name).elements, dtype=bool)
+        chosen[list(faces.numbers)] = True
+        if chosen.all():
+            _check.fail("faces", str(faces), "must leave some faces to the rest of the surface")
+        grows = self._lowered.grows
+        grown = self.is_static and (grows is None or "gravity" in grows)
+        factor = self.time if grown else np.ones_like(self.time)
+        records = self._records
+        with translated():
+            force: FloatArray = by_blocks(
+                partial(self._system.cut_force, self._lowered.surfaces[name], chosen.tolist()),
+                self.model.gravity * factor[:, None],
+                records.q,
+                records.v,
+                records.a,
+            )
+        return force
 
     def strain(self, body: Handle | str) -> Strain | BeamStrain | SurfaceStrain:
         """Strains in the middle of elements.

@@ -161,10 +161,12 @@ class Lookup:
         value: FloatArray = sum(w * vectors[:, k] for k, w in enumerate(weights))
         return value
 
-    def _momentum(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _momentum(self, rate: bool = False) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Momenta or their rates: the mass matrix is constant and symmetric, so that v x M v adds nothing."""
+        records = self._records
         with translated():
             found: tuple[FloatArray, FloatArray, FloatArray] = by_blocks(
-                self._system.momentum, self._records.q, self._records.v
+                self._system.momentum, records.q, records.a if rate else records.v
             )
             return found
 

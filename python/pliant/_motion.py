@@ -186,6 +186,16 @@ class Motion(Lookup):
         """Angular momentum about the world's origin [kg m^2/s], (n, 3)."""
         return self._momentum()[1]
 
+    @property
+    def momentum_rate(self) -> FloatArray:
+        """Rate of the linear momentum [N], (n, 3): what all forces from outside add up to."""
+        return self._momentum(rate=True)[0]
+
+    @property
+    def angular_momentum_rate(self) -> FloatArray:
+        """Rate of the angular momentum about the world's origin [N m], (n, 3)."""
+        return self._momentum(rate=True)[1]
+
     def center_of_mass(self, body: Handle | str | None = None) -> FloatArray:
         """Centre of mass of the model or of one body [m], shape (n, 3)."""
         if body is None:

@@ -49,6 +49,7 @@ from pliant.result import Result
 from pliant.signals import Function
 from pliant.storage import facts, load_records
 from pliant.streams import Stream
+from pliant.surfaces import Faces
 from pliant.typing import ArrayLike, FloatArray, IntArray, Json
 
 if TYPE_CHECKING:
@@ -391,6 +392,10 @@ class Stepper:
         """Axial force [N] at mid-element, (elements,); of a net the mean in each cable, (cables,)."""
         return _only(self._now.axial_force(body))
 
+    def cut_force(self, faces: Faces) -> FloatArray:
+        """Force [N] through a cut of a surface, (3,); see :meth:`pliant.Result.cut_force`."""
+        return _only(self._now.cut_force(faces))
+
     def strain(self, body: Handle | str) -> Strain | BeamStrain | SurfaceStrain:
         """Strains in the middle of elements; see :meth:`pliant.Result.strain`."""
         return _only(self._now.strain(body))
@@ -422,6 +427,16 @@ class Stepper:
     def angular_momentum(self) -> FloatArray:
         """Angular momentum about the world's origin [kg m^2/s], (3,)."""
         return _only(self._now.angular_momentum)
+
+    @property
+    def momentum_rate(self) -> FloatArray:
+        """Rate of the linear momentum [N], (3,)."""
+        return _only(self._now.momentum_rate)
+
+    @property
+    def angular_momentum_rate(self) -> FloatArray:
+        """Rate of the angular momentum about the world's origin [N m], (3,)."""
+        return _only(self._now.angular_momentum_rate)
 
     def center_of_mass(self, body: Handle | str | None = None) -> FloatArray:
         """Centre of mass of the model or of one body [m], (3,)."""

@@ -96,3 +96,25 @@ def test_circular_membrane_under_pressure(record):
     expected = 0.6534433449821498 * radius * (pressure * radius / (e * thickness)) ** (1 / 3)
     # Second order: 16 bilinear elements across, corners of the disc cut by 1e-3 of its area.
     assert record("Hencky's membrane, height", found, expected, 1e-2 * expected, unit="m", source="Hencky")
+
+
+def test_forces_through_a_cut_of_a_swinging_curtain(record):
+    """Both sides of a cut pull alike, and by what the part beyond it weighs and accelerates."""
+    film = pl.SaintVenantKirchhoff(1e6, 0.3, 1000.0, retardation_time=1e-3)
+    mesh = pl.Mesh.rectangle(1.0, 0.5, divisions=(4, 2))
+    model = pl.Model(gravity=(0, 0, -9.81))
+    sheet = model.add_membrane(mesh, thickness=1e-3, material=film)
+    hook = model.pin(sheet.edge("u_min"))
+    result = pl.simulate(model, duration=0.1, step=2e-3, output_every=10)
+    beyond = np.arange(8) >= 4
+    force = result.cut_force(sheet.faces(beyond))
+    weight = 0.5 * 9.81
+    # What Newton's iteration leaves over.
+    other = result.cut_force(sheet.faces(~beyond))
+    gap = float(np.abs(force + other).max() / weight)
+    assert record("cut of a film, both sides", gap, 0.0, 1e-7, source="third law")
+    # All of the film: what its hook carries is the rate of momentum less the weight.
+    total = result.momentum_rate + [0.0, 0.0, weight]
+    gap = float(np.abs(result.reaction(hook).force - total).max() / weight)
+    assert record("film, rate of momentum", gap, 0.0, 1e-7, source="hook and weight")
+    assert np.linalg.norm(force[-1]) > 0.05 * weight

@@ -9,6 +9,7 @@ use crate::vector::vector;
 use crate::winch::Wound;
 use pliant_elements::materials::Regime;
 use pliant_elements::{Block, CableBlock, Motion, Strain};
+use std::collections::HashSet;
 
 impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
@@ -137,6 +138,42 @@ impl Model {
                 Regime::Slack => 2.0,
             });
         }
+    }
+
+    /// Force [N] that the rest of a surface exerts on the faces that are `chosen`: what their inertia, weight and inner
+    /// forces leave over at the nodes that they share with other faces.
+    #[must_use]
+    pub fn cut_force(
+        &self,
+        surface: usize,
+        chosen: &[bool],
+        [q, v, a]: [&[f64]; 3],
+        gravity: [f64; 3],
+    ) -> [f64; 3] {
+        let positions = |place: &FacePlace| {
+            let block = &self.blocks.surfaces[place.block].block;
+            let step = block.surface_kind().vectors_per_node();
+            block.vectors_of(place.element).iter().copied().step_by(step)
+        };
+        let faces = || self.faces[surface].iter().zip(chosen);
+        let others: HashSet<u32> = faces()
+            .filter(|&(_, chosen)| !chosen)
+            .flat_map(|(place, _)| positions(place))
+            .collect();
+        let mut sum = [0.0; 3];
+        for (place, _) in faces().filter(|&(place, &chosen)| {
+            chosen && positions(place).any(|offset| others.contains(&offset))
+        }) {
+            let block = &self.blocks.surfaces[place.block].block;
+            let force = block.element_force(place.element, Motion { q, v, a }, gravity);
+            let vectors = force.chunks_exact(3).step_by(block.surface_kind().vectors_per_node());
+            for (f, _) in vectors.zip(positions(place)).filter(|(_, o)| others.contains(o)) {
+                for k in 0..3 {
+                    sum[k] += f[k];
+                }
+            }
+        }
+        sum
     }
 
     /// Mass of a surface [kg].

@@ -529,6 +529,40 @@ impl PySystem {
         PyArray1::from_vec(py, rows).reshape([n, faces, 7])
     }
 
+    #[pyo3(signature = (surface, chosen, gravity, q, v, a))]
+    fn cut_force<'py>(
+        &self,
+        py: Python<'py>,
+        surface: usize,
+        chosen: Vec<bool>,
+        gravity: Rows<'py>,
+        q: Rows<'py>,
+        v: Rows<'py>,
+        a: Rows<'py>,
+    ) -> PyResult<Table<'py>> {
+        let faces = self.faces(surface)?;
+        if chosen.len() != faces {
+            let message = format!("chosen must have one flag for each of the {faces} faces");
+            return Err(PyModelError::new_err(message));
+        }
+        let (gravity, count) = rows(&gravity, "gravity", 3)?;
+        let [q, v, a] = [&q, &v, &a].map(|x| self.states(x));
+        let (q, v, a) = (q?, v?, a?);
+        let n = self.model.coordinates();
+        if [&q, &v, &a].iter().any(|x| x.len() != n * count) {
+            return Err(PyModelError::new_err("gravity must have one row for each state"));
+        }
+        let forces = py.detach(|| {
+            let mut out = Vec::new();
+            for (i, g) in gravity.chunks_exact(3).enumerate() {
+                let state = [&q, &v, &a].map(|x| &x[n * i..n * (i + 1)]);
+                out.extend(self.model.cut_force(surface, &chosen, state, [g[0], g[1], g[2]]));
+            }
+            out
+        });
+        table(py, forces, 3)
+    }
+
     fn surface_center<'py>(
         &self,
         py: Python<'py>,
