@@ -47,6 +47,7 @@ SMALL = {
     "rolled_cantilever": {"elements": (8, 16)},
     "slider_crank": {"duration": 0.8, "step": 4e-3, "halvings": 1},
     "soft_finger": {"mesh": (40, 4), "duration": 1.2, "step": 2e-3},
+    "solar_sail": {"duration": 0.4},
     "spider_net": {"spokes": 8, "turns": 4, "elements": 2, "duration": 0.1},
     "spinning_top": {
         "duration": 0.4,
@@ -454,3 +455,23 @@ def test_the_quadruped_sets_off_as_it_should(examples, record):
     assert record(
         "example quadruped (small), half the step", study.halved["travel per cycle [mm]"] / walk, 1.0, 0.05
     )
+
+
+def test_a_motor_gives_the_sail_its_angular_momentum(examples, record):
+    _, opening = examples["solar_sail"]
+    # What Newton's iteration leaves over.
+    for film, found in (("film", opening.wrinkling), ("elastic film", opening.elastic)):
+        name = f"sail opening, {film}, torque"
+        assert record(name, found["momentum balance"], 0.0, 1e-8, source="rate of angular momentum")
+    sizes, found = opening.sizes, opening.steady
+    for place, c in (("base", sizes.base), ("middle", 0.5 * (sizes.base + sizes.half))):
+        # What is left of the corners' swings after 0.06 s.
+        expected = sizes.tension(c)
+        name = f"sail in steady spin, force at its {place}"
+        assert record(name, found[f"tension at the {place}"], expected, 1e-2 * expected, "N", "closed form")
+
+
+def test_shrinkings_are_counted(examples):
+    module, _ = examples["solar_sail"]
+    assert module.shrinkings(np.array([0.0, 0.5, 1.0, 0.95, 1.0])) == 0
+    assert module.shrinkings(np.array([0.0, 1.0, 0.8, 0.7, 0.95, 0.8, 0.9])) == 2

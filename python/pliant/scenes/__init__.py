@@ -15,10 +15,12 @@ from pliant.scenes.hanging_chain import hanging_chain
 from pliant.scenes.pendulum_winch import pendulum_winch
 from pliant.scenes.quadruped import quadruped
 from pliant.scenes.scene import Expected, Scene, energy_drift
+from pliant.scenes.solar_sail import SailSizes, solar_sail
 
 __all__ = [
     "SCENES",
     "Expected",
+    "SailSizes",
     "Scene",
     "bridge_catenary",
     "bungee",
@@ -34,6 +36,7 @@ __all__ = [
     "loaded_catenary",
     "pendulum_winch",
     "quadruped",
+    "solar_sail",
     "stopping_tension",
     "string_and_post",
 ]
@@ -52,6 +55,7 @@ SCENES: dict[str, Callable[..., Scene]] = {
         capstan,
         cable_slap,
         quadruped,
+        solar_sail,
     )
 }
 """Scenes by name, each with its defaults."""

@@ -50,7 +50,7 @@ class Scene:
     model: Model
     settings: Mapping[str, Any]
     expected: Mapping[str, Expected]
-    measures: Callable[[Result], dict[str, float]]
+    measures: Callable[[Result], dict[str, Any]]
     color: str | None = None
     begin: Callable[[], Result] | None = None
     _begun: list[Result] = field(default_factory=list, init=False, repr=False, compare=False)
@@ -68,8 +68,8 @@ class Scene:
             settings["start"] = self.start
         return simulate(self.model, **{**self.settings, **settings})
 
-    def measure(self, result: Result) -> dict[str, float]:
-        """Return the figures that ``expected`` speaks about."""
+    def measure(self, result: Result) -> dict[str, Any]:
+        """Return the figures that ``expected`` speaks about, and what else is worth reading."""
         return self.measures(result)
 
     def failures(self, measured: Mapping[str, float]) -> list[str]:
