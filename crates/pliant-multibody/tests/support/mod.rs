@@ -2,9 +2,9 @@
 #![allow(dead_code)]
 
 use pliant_multibody::spec::{
-    Array, BendingSpec, CableSpec, ContactSpec, FrictionSpec, IntegrationSpec, JointSpec,
-    MasterSpec, ModelSpec, PointSpec, QuadratureSpec, IntegralsSpec, StrainSpec, SurfaceMaterialSpec, SurfaceSpec,
-    VERSION,
+    Array, BendingSpec, CableSpec, ContactSpec, FrictionSpec, IntegralsSpec, IntegrationSpec,
+    JointSpec, MasterSpec, ModelSpec, PointSpec, QuadratureSpec, StrainSpec, SurfaceMaterialSpec,
+    SurfaceSpec, VERSION,
 };
 use std::f64::consts::PI;
 
