@@ -43,6 +43,7 @@ def scenery() -> SimpleNamespace:
     wheel = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(4, 0, 0), name="wheel")
     post = model.add_rigid_body(mass=1.0, shape=pl.Sphere(0.1), position=(7, 0, 0), name="post")
     bare = model.add_rigid_body(mass=1.0, inertia=(1, 1, 1), position=(8, 0, 0))
+    beside = pl.Mesh(square.points - (1, 0, 0), square.quads)
     arc = pl.Curve(lambda s: (np.sin(s), 0.0, 1.0 - np.cos(s)), length=1.5)
     return SimpleNamespace(
         m=model,
@@ -54,6 +55,8 @@ def scenery() -> SimpleNamespace:
         sheet=sheet,
         film=film,
         square=square,
+        beside=model.add_shell(beside, thickness=0.01, material=rubber, name="beside"),
+        arm=model.add_beam(line, elements=4, section=section, material=rubber, name="arm"),
         rail=model.slider(cart),
         axle=model.hinge(wheel.center),
         grip=model.clamp(post),
@@ -75,10 +78,7 @@ def net(s: SimpleNamespace, points: Any, edges: Any, **changes: Any) -> Any:
 
 
 def fold(s: SimpleNamespace, **options: Any) -> object:
-    """Fold a sheet beside the sheet to it."""
-    beside = pl.Mesh(s.square.points - (1, 0, 0), s.square.quads)
-    other = s.m.add_shell(beside, thickness=0.01, material=s.k["material"])
-    return s.m.fold(s.sheet.edge("u_min"), other.edge([(0, 0, 0), (0, 1, 0)]), **options)
+    return s.m.fold(s.sheet.edge("u_min"), s.beside.edge([(0, 0, 0), (0, 1, 0)]), **options)
 
 
 def shell(s: SimpleNamespace, mesh: Any = None, **changes: Any) -> Any:
@@ -268,13 +268,13 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("initial", "(2, 3)", lambda s: beam(s, initial=np.zeros((2, 3)))),
     ("initial", "apart", lambda s: beam(s, initial=np.zeros((5, 3)))),
     ("velocity", "(1, 2)", lambda s: beam(s, velocity=(1, 2))),
-    ("offset", "0.1", lambda s: beam(s).at(0.5, offset=0.1)),
-    ("offset", "nan", lambda s: beam(s).at(0.5, offset=(NAN, 0))),
-    ("s", "2", lambda s: beam(s).at(2)),
-    ("i", "9", lambda s: beam(s).node(9)),
-    ("direction", "(0, 0, 1)", lambda s: s.m.drive(beam(s).end, direction=(0, 0, 1))),
-    ("orientation", "'up'", lambda s: s.m.drive(beam(s).end, orientation="up")),
-    ("b", "beams", lambda s: s.m.add_contact(s.rope, beam(s))),
+    ("offset", "0.1", lambda s: s.arm.at(0.5, offset=0.1)),
+    ("offset", "nan", lambda s: s.arm.at(0.5, offset=(NAN, 0))),
+    ("s", "2", lambda s: s.arm.at(2)),
+    ("i", "9", lambda s: s.arm.node(9)),
+    ("direction", "(0, 0, 1)", lambda s: s.m.drive(s.arm.end, direction=(0, 0, 1))),
+    ("orientation", "'up'", lambda s: s.m.drive(s.arm.end, orientation="up")),
+    ("b", "beams", lambda s: s.m.add_contact(s.rope, s.arm)),
     ("shear_corrections", "(0, 1)", lambda s: pl.Section(1, (1, 1), shear_corrections=(0, 1))),
     ("edge_b", "film", lambda s: s.m.fold(s.sheet.edge("u_min"), s.film.edge("rim"))),
     (
