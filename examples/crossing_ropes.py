@@ -58,7 +58,9 @@ def simulate(elements: int, step: float, duration: float) -> pl.Result:
 def places(result: pl.Result) -> np.ndarray:
     """Find ends and middles of both ropes at the end, (6, 3)."""
     ropes = [result.model[name] for name in ("low", "high")]
-    return np.array([result.track(rope.at(x)).position[-1] for rope in ropes for x in (0.0, 0.5, 1.0)])
+    return np.array(
+        [result.track(rope.at(x * rope.length)).position[-1] for rope in ropes for x in (0.0, 0.5, 1.0)]
+    )
 
 
 def errors(refined: np.ndarray) -> np.ndarray:
@@ -126,8 +128,7 @@ def main() -> None:
     path = save(draw(crossing), "crossing_ropes")
     for n, error in zip(crossing.elements, errors(crossing.by_elements), strict=False):
         print(f"{n:3d} elements: ends and middles within {1e6 * error:.2f} um of the finest mesh's")
-    gaps = zip(crossing.steps, [*errors(crossing.by_step), np.nan], crossing.gaps, strict=True)
-    for h, error, gap in gaps:
+    for h, error, gap in zip(crossing.steps, errors(crossing.by_step), crossing.gaps, strict=False):
         print(f"{1e3 * h:.4f} ms: within {1e6 * error:.2f} um of the shortest step's, energy drift {gap:.1e}")
     impulse = crossing.finest.contact_impulse("low")[-1]
     print(f"impulse on the lower rope {1e3 * impulse} mN s")
