@@ -141,9 +141,10 @@ def main() -> None:
         late = one["area"][one["time"] > 0.5 * one["time"][-1]]
         print(f"a film that {name} opens to {late.mean():.2f} of its area; it shrinks", end=" ")
         print(f"below 0.9 of what it had reached {shrinkings(one['area'])} times")
-    print(f"look at {save(picture(opening), 'solar_sail', dpi=100)}")
-    opening.result.export_html("out/examples/solar_sail.html", color="speed")
-    print("turn and play out/examples/solar_sail.html")
+    path = save(picture(opening), "solar_sail", dpi=100)
+    opening.result.export_html(path.with_suffix(".html"), color="speed")
+    print(f"turn and play {path.with_suffix('.html')}")
+    print(f"look at {path}")
 
 
 if __name__ == "__main__":

@@ -459,10 +459,10 @@ def test_the_quadruped_sets_off_as_it_should(examples, record):
 
 def test_a_motor_gives_the_sail_its_angular_momentum(examples, record):
     _, opening = examples["solar_sail"]
-    # What Newton's iteration leaves over.
+    # What Newton's iteration leaves over, of torques that are small until 0.4 s.
     for film, found in (("film", opening.wrinkling), ("elastic film", opening.elastic)):
         name = f"sail opening, {film}, torque"
-        assert record(name, found["momentum balance"], 0.0, 1e-8, source="rate of angular momentum")
+        assert record(name, found["momentum balance"], 0.0, 1e-7, source="rate of angular momentum")
     sizes, found = opening.sizes, opening.steady
     for place, c in (("base", sizes.base), ("middle", 0.5 * (sizes.base + sizes.half))):
         # What is left of the corners' swings after 0.06 s.
