@@ -56,6 +56,9 @@ def scenery() -> SimpleNamespace:
         film=film,
         square=square,
         beside=model.add_shell(beside, thickness=0.01, material=rubber, name="beside"),
+        thin=model.add_shell(
+            square, thickness=0.01, material=rubber, bending="simplified", name="thin"
+        ),
         arm=model.add_beam(line, elements=4, section=section, material=rubber, name="arm"),
         rail=model.slider(cart),
         axle=model.hinge(wheel.center),
@@ -182,6 +185,7 @@ def helix(s: float) -> tuple[float, float, float]:
 
 
 LAW = pl.LuGre(0.4, 0.3, bristle_stiffness=1e5)
+INNER = [(0.5, 0, 0), (0.5, 0.5, 0), (0.5, 1, 0)]
 TRIANGLE = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 
 CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
@@ -203,7 +207,7 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("bending", "retardation_time", lambda s: shell(s, bending="simplified", material=tough())),
     ("bending", "NeoHookean", lambda s: shell(s, bending="simplified", material=gum())),
     ("bending", "flat", lambda s: shell(s, bending="simplified", mesh=arch())),
-    ("body", "exact", lambda s: s.m.add_curvature(shell(s, bending="simplified", material=elastic()), 1.0)),
+    ("body", "exact", lambda s: s.m.add_curvature(s.thin, 1.0)),
     ("integrals", "'gauss'", lambda s: shell(s, integrals="gauss")),
     ("integrals", "cylindrical", lambda s: shell(s, integrals="precomputed")),
     ("integrals", "NeoHookean", lambda s: shell(s, integrals="precomputed", material=gum())),
@@ -287,7 +291,7 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     (
         "edge_a",
         "rim",
-        lambda s: s.m.fold(s.sheet.edge([(0.5, 0, 0), (0.5, 1, 0)]), s.film.edge([(0.5, 0, 0), (0.5, 1, 0)])),
+        lambda s: s.m.fold(s.sheet.edge(INNER), s.film.edge(INNER)),
     ),
     ("stiffness", "-1", lambda s: fold(s, stiffness=-1.0)),
     ("damping", "nan", lambda s: fold(s, damping=NAN)),

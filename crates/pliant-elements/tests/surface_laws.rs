@@ -358,7 +358,7 @@ fn options_that_a_kind_does_not_have_are_refused() {
     assert!(refused(SurfaceKind::Bicubic, SurfaceLaw { retardation_time: 0.1, ..simplified }));
     let bent = pliant_elements::SurfaceElement {
         vectors: (0..16).map(|k| 3 * k).collect(),
-        chart: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        chart: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].into(),
         reference: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
             .iter()
             .flat_map(|&[u, v]| surfaces::nodal(SurfaceKind::Bicubic, surfaces::curved, u, v))

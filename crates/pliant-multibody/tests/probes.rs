@@ -10,8 +10,8 @@ use pliant_dae::problem::{Point, Problem, Weights};
 use pliant_multibody::model::Model;
 use pliant_multibody::probes::spec::{ProbeContactSpec, SideSpec};
 use pliant_multibody::spec::{
-    Array, FrictionSpec, MassSpec, ModelSpec, PointSpec, QuadratureSpec, RigidBodySpec, ShapeSpec,
-    SurfaceMaterialSpec, SurfaceSpec,
+    Array, BendingSpec, FrictionSpec, IntegralsSpec, MassSpec, ModelSpec, PointSpec,
+    QuadratureSpec, RigidBodySpec, ShapeSpec, SurfaceMaterialSpec, SurfaceSpec,
 };
 use pliant_multibody::system::{Mode, System};
 use std::sync::Arc;
@@ -50,6 +50,9 @@ fn sheet(name: &str, vectors: usize) -> SurfaceSpec {
         density: 1000.0,
         retardation_time: 0.0,
         quadrature: QuadratureSpec::Standard,
+        bending: BendingSpec::Exact,
+        integrals: IntegralsSpec::Quadrature,
+        turns: none(),
     }
 }
 
