@@ -123,7 +123,7 @@ class Pneumatics(Sheets):
             _check.fail("body", body, "a membrane has no curvature at rest; take a shell")
         if self._surface(faces.body).bending == "simplified":
             _check.fail(
-                "body", body, 'must have bending="exact": simplified bending knows no curvature at rest'
+                "body", body, 'must have bending="exact"; simplified bending has no curvature at rest'
             )
         value = as_signal(curvature, "curvature")
         if value.size == 1:

@@ -56,9 +56,6 @@ def scenery() -> SimpleNamespace:
         film=film,
         square=square,
         beside=model.add_shell(beside, thickness=0.01, material=rubber, name="beside"),
-        thin=model.add_shell(
-            square, thickness=0.01, material=rubber, bending="simplified", name="thin"
-        ),
         arm=model.add_beam(line, elements=4, section=section, material=rubber, name="arm"),
         rail=model.slider(cart),
         axle=model.hinge(wheel.center),
@@ -207,7 +204,6 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("bending", "retardation_time", lambda s: shell(s, bending="simplified", material=tough())),
     ("bending", "NeoHookean", lambda s: shell(s, bending="simplified", material=gum())),
     ("bending", "flat", lambda s: shell(s, bending="simplified", mesh=arch())),
-    ("body", "exact", lambda s: s.m.add_curvature(s.thin, 1.0)),
     ("integrals", "'gauss'", lambda s: shell(s, integrals="gauss")),
     ("integrals", "cylindrical", lambda s: shell(s, integrals="precomputed")),
     ("integrals", "NeoHookean", lambda s: shell(s, integrals="precomputed", material=gum())),

@@ -6,6 +6,7 @@
 
 use crate::passes::vectorised;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Entries below this are nothing: numbers without a leading one are slow.
 const NOTHING: f64 = 1e-30;
@@ -78,39 +79,52 @@ impl Single {
 
     /// Overwrites the right-hand side by the solution; `order` lists the unknowns as they were eliminated.
     pub(super) fn solve(&mut self, symbolic: &Symbolic, order: &[u32], b: &mut [f64]) {
-        let Self { values, inverse, x, rows } = self;
-        for (x, &i) in x.iter_mut().zip(order) {
+        for (x, &i) in self.x.iter_mut().zip(order) {
             *x = b[i as usize];
         }
-        vectorised(|| {
-            for s in 0..symbolic.n_supernodes() {
-                let Block { first, columns, rows: height, start } = block(symbolic, s);
-                let l = &values[start..start + columns * height];
-                let y = &mut rows[..height];
-                y[..columns].copy_from_slice(&x[first..first + columns]);
-                y[columns..].fill(0.0);
-                forward(l, columns, y);
-                x[first..first + columns].copy_from_slice(&y[..columns]);
-                for (&i, y) in below(symbolic, s).iter().zip(&y[columns..]) {
-                    x[i as usize] += y;
-                }
-            }
-            for s in (0..symbolic.n_supernodes()).rev() {
-                let Block { first, columns, rows: height, start } = block(symbolic, s);
-                let l = &values[start..start + columns * height];
-                let y = &mut rows[..height];
-                for (&i, y) in below(symbolic, s).iter().zip(&mut y[columns..]) {
-                    *y = x[i as usize];
-                }
-                for j in 0..columns {
-                    y[j] = x[first + j] * inverse[first + j];
-                }
-                backward(l, columns, y);
-                x[first..first + columns].copy_from_slice(&y[..columns]);
-            }
-        });
-        for (x, &i) in x.iter().zip(order) {
+        Arch::new().dispatch(Sweeps { symbolic, factors: self });
+        for (x, &i) in self.x.iter().zip(order) {
             b[i as usize] = *x;
+        }
+    }
+}
+
+/// Forward and backward substitution, compiled for the vector registers of the processor at hand.
+struct Sweeps<'a> {
+    symbolic: &'a Symbolic,
+    factors: &'a mut Single,
+}
+
+impl WithSimd for Sweeps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { symbolic, factors: Single { values, inverse, x, rows } } = self;
+        for s in 0..symbolic.n_supernodes() {
+            let Block { first, columns, rows: height, start } = block(symbolic, s);
+            let l = &values[start..start + columns * height];
+            let y = &mut rows[..height];
+            y[..columns].copy_from_slice(&x[first..first + columns]);
+            y[columns..].fill(0.0);
+            forward(l, columns, y);
+            x[first..first + columns].copy_from_slice(&y[..columns]);
+            for (&i, y) in below(symbolic, s).iter().zip(&y[columns..]) {
+                x[i as usize] += y;
+            }
+        }
+        for s in (0..symbolic.n_supernodes()).rev() {
+            let Block { first, columns, rows: height, start } = block(symbolic, s);
+            let l = &values[start..start + columns * height];
+            let y = &mut rows[..height];
+            for (&i, y) in below(symbolic, s).iter().zip(&mut y[columns..]) {
+                *y = x[i as usize];
+            }
+            for j in 0..columns {
+                y[j] = x[first + j] * inverse[first + j];
+            }
+            backward(l, columns, y);
+            x[first..first + columns].copy_from_slice(&y[..columns]);
         }
     }
 }
