@@ -45,7 +45,7 @@ fn block(symbolic: &Symbolic, s: usize) -> Block {
 }
 
 /// Unknowns of the rows below the diagonal block.
-fn below<'a>(symbolic: &'a Symbolic, s: usize) -> &'a [u32] {
+fn below(symbolic: &Symbolic, s: usize) -> &[u32] {
     let start = symbolic.col_ptr_for_row_idx()[s] as usize;
     &symbolic.row_idx()[start..start + symbolic.nnz_per_super()[s] as usize]
 }
@@ -167,7 +167,7 @@ fn backward(l: &[f32], columns: usize, y: &mut [f64]) {
     let height = y.len();
     let column = |j: usize| &l[j * height..(j + 1) * height];
     let mut j = columns;
-    while j % TOGETHER != 0 {
+    while !j.is_multiple_of(TOGETHER) {
         j -= 1;
         y[j] -= product(&column(j)[j + 1..], &y[j + 1..]);
     }
