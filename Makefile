@@ -41,9 +41,10 @@ endif
 test-python: setup
 	$(PY) -m pytest -m "not slow"
 
-validate: setup ## the long checks; rewrites docs/validation.md
+validate: setup ## the long checks; rewrites docs/validation.md and its pictures
 	$(PY) -m pytest --timeout 3600 --validation-report target/validation.json
 	cargo test --quiet -p pliant-dae -- --nocapture > target/validation-rust.txt
+	$(PY) docs/build_shells.py
 	$(PY) docs/build_validation.py target/validation.json target/validation-rust.txt
 
 lint: setup ## formatting, clippy, ruff, mypy, floors

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests" / "verification"))
@@ -70,6 +71,8 @@ def main(names: list[str]) -> None:
         ax.set_axis_off()
     path = HERE / "images" / "shell_benchmarks.png"
     figure.savefig(path, dpi=110)
+    # Lines on white: few colours.
+    Image.open(path).convert("RGB").quantize(64).save(path, optimize=True)
     print("wrote", path)
 
 

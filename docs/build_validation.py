@@ -14,6 +14,15 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 
+# What is drawn of the comparisons of a test file, and where: the picture and what it shows.
+PICTURES = {
+    "tests/verification/test_sze.py": (
+        "images/shell_benchmarks.png",
+        "Load over deflection of nine shell problems: lines as computed, circles from the published tables; "
+        "crosses are limit points (`docs/build_shells.py`)",
+    ),
+}
+
 INTRODUCTION = """\
 # Validation
 
@@ -41,6 +50,9 @@ def page(notes: list[dict], commit: str) -> str:
         group = list(group)
         parts += [f"## {Path(test_file).stem.removeprefix('test_').replace('_', ' ').capitalize()}\n"]
         parts += [f"{group[0]['about']} (`{test_file}`)\n"]
+        if test_file in PICTURES:
+            picture, shown = PICTURES[test_file]
+            parts += [f"![{shown.split(' (')[0]}]({picture})\n", f"{shown}.\n"]
         sourced = any(note["source"] for note in group)
         parts += ["| quantity | reference | achieved | error | tolerance | unit |" + sourced * " source |"]
         parts += ["| --- " * (6 + sourced) + "|"]

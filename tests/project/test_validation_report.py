@@ -61,6 +61,23 @@ def test_page_shows_every_comparison(script):
         "about": "Circles.",
     }
     text = script.page([note], "abc1234")
+    assert "![" not in text
     assert "0 of 1" in text
     assert "## Circle\n\nCircles. (`tests/x/test_circle.py`)" in text.replace("\n\n\n", "\n\n")
     assert "| area | (1, 2) | 2 | 1.0e+00 **fails** | 5.0e-01 | m^2 | a \\| b |" in text
+
+
+def test_page_shows_the_pictures_of_its_tests(script):
+    for test_file, (picture, _) in script.PICTURES.items():
+        assert (DOCS / picture).is_file()
+        assert (DOCS.parent / test_file).is_file()
+        number = {"reference": 1.0, "achieved": 1.0, "error": 0.0, "tolerance": 0.1, "passed": True}
+        note = {
+            "name": "w",
+            "unit": "m",
+            "source": "",
+            "test": f"{test_file}::test_x",
+            "about": "A.",
+            **number,
+        }
+        assert f"({picture})" in script.page([note], "abc1234")
