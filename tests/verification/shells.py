@@ -2,8 +2,20 @@
 
 from __future__ import annotations
 
+import csv
+from pathlib import Path
+
 import numpy as np
 import pliant as pl
+
+
+def reference(name: str, **keys: float) -> dict[str, np.ndarray]:
+    """Columns of the rows of a table beside this file that have these values; nan where nothing is known."""
+    with Path(__file__).with_name(name).open() as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        read = [{column: float(text or "nan") for column, text in row.items()} for row in rows]
+    chosen = [row for row in read if all(row[key] == value for key, value in keys.items())]
+    return {column: np.array([row[column] for row in chosen]) for column in chosen[0]}
 
 
 def falling_sheet(n: int, **options: object) -> tuple[pl.Model, pl.Shell]:
