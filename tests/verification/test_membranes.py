@@ -118,3 +118,56 @@ def test_forces_through_a_cut_of_a_swinging_curtain(record):
     gap = float(np.abs(result.reaction(hook).force - total).max() / weight)
     assert record("film, rate of momentum", gap, 0.0, 1e-7, source="hook and weight")
     assert np.linalg.norm(force[-1]) > 0.05 * weight
+
+
+# Energy per volume, stress (11, 22, 12): mu = 1.2, lambda = 2.5 at C; E = 2, nu = 0.3 at (E11, E22, 2 E12).
+RUBBER = [
+    ((1.44, 1, 0), 0.0654044093914, (0.519444444444, 0.22, 0)),
+    ((1.2, 0.8, 0.3), 0.0865261121569, (0.0181646881477, -0.572752967778, 0.443188241945)),
+    ((4, 4, 0), 2.84702243273, (1.16533018868, 1.16533018868, 0)),
+    ((0.5, 2, -0.2), 0.324748316464, (-1.35208333333, 0.561979166667, -0.255208333333)),
+]
+FILM = [
+    ((0.01, 0.004, 0.002), 0.000155384615385, (0.0246153846154, 0.0153846153846, 0.00153846153846)),
+    ((0.01, -0.002, 0), 0.000101098901099, (0.0206593406593, 0.0021978021978, 0)),
+    ((0.01, -0.02, 0), 0.0001, (0.02, 0, 0)),
+    ((0, 0, 0.02), 0.0001, (0.01, 0.01, 0.01)),
+    ((-0.01, -0.02, 0.001), 0, (0, 0, 0)),
+    ((0.004, -0.01, 0.012), 3.86827332562e-05, (0.0109417746502, 0.00149731426439, 0.00404762587963)),
+]
+
+
+def energy_density(strain: np.ndarray, material: pl.NeoHookean | pl.SaintVenantKirchhoff) -> float:
+    """Energy for each volume of a film of one face under a Green strain (11, 22, 12)."""
+    metric = np.eye(2) + 2 * np.array([[strain[0], strain[2]], [strain[2], strain[1]]])
+    values, axes = np.linalg.eigh(metric)
+    stretch = axes * np.sqrt(values) @ axes.T
+    mesh = pl.Mesh.rectangle(1, 1, divisions=(1, 1))
+    places = np.column_stack([mesh.points[:, :2] @ stretch.T, np.zeros(4)])
+    model, film = pl.Model(), isinstance(material, pl.SaintVenantKirchhoff)
+    wrinkling = 0.0 if film else False
+    model.add_membrane(mesh, thickness=1.0, material=material, wrinkling=wrinkling, initial=places)
+    return float(pl.Stepper(model, step=1e-9).energy.elastic)
+
+
+def test_laws_at_points_of_strain(record):
+    """The reference found C33 and the relaxed energy by brute minimisation."""
+    mu, lame = 1.2, 2.5
+    youngs, nu = mu * (3 * lame + 2 * mu) / (lame + mu), lame / (2 * (lame + mu))
+    rubber = pl.NeoHookean(youngs_modulus=youngs, poisson_ratio=nu, density=1.0)
+    film = pl.SaintVenantKirchhoff(youngs_modulus=2.0, poisson_ratio=0.3, density=1.0)
+    cases = [("rubber", rubber, 0.5 * (np.array(c) - [1, 1, 0]), w, s) for c, w, s in RUBBER]
+    cases += [("film", film, np.array(e) * [1, 1, 0.5], w, s) for e, w, s in FILM]
+    for k, (name, material, strain, energy, stress) in enumerate(cases):
+        found = energy_density(strain, material)
+        title = f"{name} at strain {k}"
+        source = "independent prototype"
+        # Twelve digits are given.
+        assert record(f"{title}, energy", found, energy, 1e-11, source=source)
+        h, slopes = 1e-5, []
+        for axis in np.eye(3):
+            # A shear counts twice in the energy.
+            up, down = (energy_density(strain + sign * h * axis, material) for sign in (1, -1))
+            slopes.append((up - down) / (2 * h) * (0.5 if axis[2] else 1.0))
+        # Differences: h^2 of third derivatives of order 100, rounding over h; a kink counts with h.
+        assert record(f"{title}, stress", slopes, stress, 2e-5, source=source)
