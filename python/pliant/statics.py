@@ -73,9 +73,10 @@ def solve_static(
         Leave unstable equilibria (a rope straight under compression, a strut above its critical load) for
         stable ones. A path goes over to the branch that crosses where it loses its stability, to the side
         that the loads favour, if there is only one; a round strut, which buckles to all sides alike, stays
-        straight: let a small load push it to one (``scale`` keeps that in full). False keeps
-        whatever equilibrium comes first and stays on the path. An unstable end is warned of. Under loads that
-        follow the motion stability is not tested.
+        straight: let a small load push it to one (``scale`` keeps that in full). Load steps that come to no
+        stable equilibrium, as of very thin sheets just above a critical load, give way to a path with all its
+        points. False keeps whatever equilibrium comes first and stays on the path. An unstable end is warned
+        of. Under loads that follow the motion stability is not tested.
     progress : bool, optional
         Show a progress bar; by default on a terminal.
 
@@ -155,9 +156,9 @@ def solve_static(
                 report(round(100 * factor) - round(100 * reached))
                 reached = factor
 
-        try:
+        def search(load_steps: int, arc_length: bool) -> Any:
             with translated():
-                raw: Any = system.solve_static(
+                return system.solve_static(
                     load_steps=load_steps,
                     tolerance=tolerance,
                     stable=stable,
@@ -169,6 +170,19 @@ def solve_static(
                     inputs=inputs.callback,
                     poll=poll,
                 )
+
+        try:
+            try:
+                raw = search(load_steps, arc_length)
+            except ConvergenceError as error:
+                if arc_length or not stable or not _has_lost_stability(error):
+                    raise
+                # A load step cannot get round the corner; the path can.
+                try:
+                    raw = search(max(load_steps, ARC_STEPS), True)
+                except (ConvergenceError, ModelError):
+                    raise error from None
+                arc_length = True
         except (ConvergenceError, ModelError) as error:
             name_node(error, model)
             if error.records is not None and len(error.records["time"]):
@@ -182,6 +196,12 @@ def solve_static(
         factors = ", ".join(f"{factor:g}" for factor in unstable)
         warnings.warn(f"the equilibrium is unstable at load factor {factors}", stacklevel=2)
     return collect(raw)
+
+
+def _has_lost_stability(error: ConvergenceError) -> bool:
+    """Whether load steps came to where stable equilibria bend away, from others before."""
+    before = error.records is not None and len(error.records["time"])
+    return bool(before) and ("unstable equilibria" in str(error) or "undetermined" in str(error))
 
 
 def _scaled(model: Model, scale: object) -> tuple[str, ...]:
