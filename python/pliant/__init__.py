@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pliant.beams import Beam
-from pliant.contacts import HalfSpace, TriangleMesh
+from pliant.contacts import Bore, HalfSpace, TriangleMesh
 from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.friction import Coulomb, LuGre, lugre
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Beam",
+    "Bore",
     "Box",
     "Cable",
     "CableNet",

@@ -10,7 +10,7 @@ import numpy as np
 
 from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody
-from pliant.contacts import ContactData, HalfSpace, ObstacleData, TriangleMesh
+from pliant.contacts import Bore, ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.errors import ModelError
 from pliant.forces import FORCES
 from pliant.friction import Coulomb, LuGre
@@ -46,6 +46,7 @@ KINDS: Mapping[str, type[Any]] = {
         ObstacleData,
         HalfSpace,
         TriangleMesh,
+        Bore,
         LuGre,
         Coulomb,
         Force,

@@ -11,7 +11,7 @@ from pliant import _check
 from pliant._actuation import Actuation
 from pliant._sides import why_not
 from pliant.bodies import LineBody
-from pliant.contacts import ContactData, HalfSpace, ObstacleData, TriangleMesh
+from pliant.contacts import Bore, ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.points import Contact, Handle, Obstacle, require_handle
 from pliant.shapes import Shape
 from pliant.typing import ArrayLike
@@ -34,7 +34,7 @@ class Touching(Actuation):
 
         Parameters
         ----------
-        shape : HalfSpace, Sphere, Box, Cylinder, Capsule or TriangleMesh
+        shape : HalfSpace, Sphere, Box, Cylinder, Capsule, TriangleMesh or Bore
             The shape; a half-space lies below the plane through ``position``.
         position : array_like, shape (3,)
             Its centre [m].
@@ -55,8 +55,12 @@ class Touching(Actuation):
         >>> drum.name
         'obstacle2'
         """
-        if not isinstance(shape, (Shape, HalfSpace, TriangleMesh)):
-            _check.fail("shape", shape, "must be a HalfSpace, Sphere, Box, Cylinder, Capsule or TriangleMesh")
+        if not isinstance(shape, (Shape, HalfSpace, TriangleMesh, Bore)):
+            _check.fail(
+                "shape",
+                shape,
+                "must be a HalfSpace, Sphere, Box, Cylinder, Capsule, TriangleMesh or Bore",
+            )
         place = _check.vector(position, "position")
         axes = np.eye(3)
         if orientation is not None:

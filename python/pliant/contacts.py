@@ -9,12 +9,13 @@ import numpy as np
 
 from pliant import _check
 from pliant.bodies import LineBody
+from pliant.curves import Curve
 from pliant.friction import Coulomb, Friction, LuGre
 from pliant.points import Point
 from pliant.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from pliant.typing import FloatArray, Json
 
-__all__ = ["ContactData", "HalfSpace", "ObstacleData", "TriangleMesh"]
+__all__ = ["Bore", "ContactData", "HalfSpace", "ObstacleData", "TriangleMesh"]
 
 POISSON_RATIO = 0.4  # of the default stiffness, which hardly depends on it
 RAMP = 0.005  # penetration at which the full stiffness is reached, over the radius
@@ -84,17 +85,119 @@ class TriangleMesh:
 
 
 @dataclass(frozen=True, eq=False)
+class Bore:
+    """A channel along a line, touched from inside, as an obstacle: a tube, a vessel, a cable guide.
+
+    All around it is solid, and beyond the ends of its line it goes on straight.
+
+    Parameters
+    ----------
+    line : Curve, or array_like of shape (n, 3)
+        Its middle line [m]: a curve, or two or more points that a smooth line is laid through.
+    radius : float
+        Inner radius [m]; the line must not bend as sharply.
+    tangents : array_like, shape (n, 3), optional
+        Directions of the line at the points, of any length; None: those of a cubic spline.
+    pieces : int
+        Cubic pieces that a curve is made of; their distance from an arc is a 2e-3 of its radius times the
+        fourth power of the angle of one.
+
+    Examples
+    --------
+    A quarter of a ring:
+
+    >>> import numpy as np
+    >>> arc = Curve(lambda s: (np.sin(s), 1.0 - np.cos(s), 0.0), length=np.pi / 2)
+    >>> Bore(arc, radius=0.05, pieces=16).line.shape
+    (17, 3)
+    """
+
+    line: Any
+    radius: float
+    tangents: Any = None
+    pieces: int = 64
+
+    def __post_init__(self) -> None:
+        radius = _check.number(self.radius, "radius", above=0)
+        pieces = _check.count(self.pieces, "pieces", at_least=1)
+        if isinstance(self.line, Curve):
+            if self.tangents is not None:
+                _check.fail("tangents", self.tangents, "come from the curve; leave them out")
+            s = np.linspace(0.0, self.line.length, pieces + 1)
+            points = self.line.sample(s)
+            tangents = self.line.tangents(s, self.line.length / pieces)
+        else:
+            points = _check.array(self.line, "line", (None, 3))
+            if len(points) < 2:
+                _check.fail("line", self.line, "must have two points or more")
+            steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+            if steps.min() <= 1e-9 * float(np.ptp(points)):
+                k = int(np.argmin(steps))
+                _check.fail(f"line[{k + 1}]", points[k + 1], f"coincides with line[{k}]; leave one out")
+            if self.tangents is None:
+                tangents = _spline_tangents(points, steps)
+            else:
+                tangents = _check.array(self.tangents, "tangents", (len(points), 3))
+            size = np.linalg.norm(tangents, axis=1, keepdims=True)
+            if size.min() == 0.0:
+                _check.fail("tangents", self.tangents, "must not vanish")
+            # Those of a file are unit vectors but for rounding, and stay as they are.
+            tangents = tangents / np.where(np.abs(size - 1.0) < 1e-12, 1.0, size)
+        for name, value in (("line", points), ("radius", radius), ("tangents", tangents)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "pieces", len(points) - 1)
+        sharpest = self._sharpest()
+        if sharpest * radius >= 1.0:
+            _check.fail(
+                "radius",
+                radius,
+                f"must be below the least radius of curvature of the line, {1 / sharpest:g} m",
+            )
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Lengths of the pieces, as arcs between their tangents [m], shape (n - 1,)."""
+        chords = np.linalg.norm(np.diff(self.line, axis=0), axis=1)
+        cosine = np.clip(np.einsum("ij,ij->i", self.tangents[:-1], self.tangents[1:]), -1.0, 1.0)
+        half = 0.5 * np.arccos(cosine)
+        lengths: FloatArray = chords / np.sinc(half / np.pi)
+        return lengths
+
+    def _sharpest(self) -> float:
+        """Largest curvature of the line [1/m]."""
+        xi = np.linspace(0.0, 1.0, 9)[:, None, None]
+        chord = np.diff(self.line, axis=0)
+        t, u = (self.tangents[k : len(chord) + k] * self.lengths[:, None] for k in (0, 1))
+        c = [t, 3 * chord - 2 * t - u, t + u - 2 * chord]
+        slope = c[0] + (2 * c[1] + 3 * c[2] * xi) * xi
+        bend = 2 * c[1] + 6 * c[2] * xi
+        turn = np.linalg.norm(np.cross(slope, bend), axis=-1)
+        return float((turn / np.linalg.norm(slope, axis=-1) ** 3).max())
+
+
+def _spline_tangents(points: FloatArray, steps: FloatArray) -> FloatArray:
+    """Directions of a cubic spline through the points (n, 3)."""
+    if len(points) == 2:
+        return np.repeat(points[1:] - points[:1], 2, axis=0)
+    from scipy.interpolate import CubicSpline
+
+    s = np.concatenate([[0.0], np.cumsum(steps)])
+    tangents: FloatArray = CubicSpline(s, points, axis=0)(s, 1)
+    return tangents
+
+
+@dataclass(frozen=True, eq=False)
 class ObstacleData:
     """A fixed shape; ``axes`` has the shape's axes as rows."""
 
     name: str
-    shape: Shape | HalfSpace | TriangleMesh
+    shape: Shape | HalfSpace | TriangleMesh | Bore
     position: FloatArray
     axes: FloatArray
 
     def __post_init__(self) -> None:
         _check.text(self.name, "name")
-        if not isinstance(self.shape, (Shape, HalfSpace, TriangleMesh)):
+        if not isinstance(self.shape, (Shape, HalfSpace, TriangleMesh, Bore)):
             _check.fail("shape", self.shape, "must be a shape")
         object.__setattr__(self, "position", _check.vector(self.position, "position"))
         object.__setattr__(self, "axes", _check.array(self.axes, "axes", (3, 3)))
@@ -109,7 +212,7 @@ class ObstacleData:
         return {"kind": "shape", "origin": self.position.tolist(), "axes": axes.tolist(), "shape": kind}
 
 
-def shape_document(shape: Shape | HalfSpace | TriangleMesh) -> Json:
+def shape_document(shape: Shape | HalfSpace | TriangleMesh | Bore) -> Json:
     """Write a shape in its own frame."""
     if isinstance(shape, HalfSpace):
         return {"kind": "half_space"}
@@ -118,6 +221,14 @@ def shape_document(shape: Shape | HalfSpace | TriangleMesh) -> Json:
             "kind": "mesh",
             "points": shape.points.ravel().tolist(),
             "triangles": [float(k) for k in shape.triangles.ravel()],
+        }
+    if isinstance(shape, Bore):
+        return {
+            "kind": "bore",
+            "radius": shape.radius,
+            "points": shape.line.ravel().tolist(),
+            "tangents": shape.tangents.ravel().tolist(),
+            "lengths": shape.lengths.tolist(),
         }
     if isinstance(shape, Sphere):
         return {"kind": "sphere", "radius": shape.radius}
@@ -202,6 +313,7 @@ def friction_document(law: Friction | None, radius: float) -> Json | None:
         "sigma_0": stiffness,
         "sigma_1": damping,
         "sigma_2": law.viscous,
+        "v_d": 5.0 * law.stribeck_velocity if law.damping_velocity is None else law.damping_velocity,
         "scaled": scaled,
     }
 

@@ -42,6 +42,9 @@ class LuGre(Friction):
     form : {"scaled", "per_length"}
         ``"per_length"``: the sigmas are those of a length of line, [N/m^2] and [N s/m^2], whatever the load;
         stiffness must be given then.
+    damping_velocity : float, optional
+        v_d [m/s]: sigma_1 fades as ``exp(-(v/v_d)^2)``, for a contact that is made at speed would meet
+        ``sigma_1 v`` at once. None: five times v_s; a number beyond all velocities: it stays.
 
     Examples
     --------
@@ -58,6 +61,7 @@ class LuGre(Friction):
     viscous: float = 0.0
     exponent: float = 2.0
     form: str = "scaled"
+    damping_velocity: float | None = None
 
     def __post_init__(self) -> None:
         static = _check.number(self.static, "static", above=0)
@@ -76,6 +80,8 @@ class LuGre(Friction):
             _check.fail("bristle_stiffness", None, 'must be given [N/m^2] with form="per_length"')
         if self.bristle_damping is not None:
             values["bristle_damping"] = _check.number(self.bristle_damping, "bristle_damping", at_least=0)
+        if self.damping_velocity is not None:
+            values["damping_velocity"] = _check.number(self.damping_velocity, "damping_velocity", above=0)
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -110,7 +116,7 @@ def lugre(
     ----------
     law : LuGre
         Its ``bristle_stiffness``, ``bristle_damping`` and ``viscous`` are taken as those of a force: [N/m],
-        [N s/m], [N s/m].
+        [N s/m], [N s/m], and its damping does not fade.
     time : array_like, shape (n,)
         Increasing [s].
     velocity : array_like, shape (n,), (n, 2) or (n, 3)

@@ -183,6 +183,7 @@ def helix(s: float) -> tuple[float, float, float]:
 
 LAW = pl.LuGre(0.4, 0.3, bristle_stiffness=1e5)
 INNER = [(0.5, 0, 0), (0.5, 0.5, 0), (0.5, 1, 0)]
+ARC = pl.Curve(lambda s: (np.sin(s), 1 - np.cos(s), 0.0), length=1.0)
 TRIANGLE = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 
 CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
@@ -349,6 +350,13 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("triangles", "0 to 2", lambda s: pl.TriangleMesh(TRIANGLE, [(0, 1, 3)])),
     ("triangles", "no area", lambda s: pl.TriangleMesh([*TRIANGLE, (2, 0, 0)], [(0, 1, 3)])),
     ("triangles", "0.5", lambda s: pl.TriangleMesh(TRIANGLE, [(0, 1, 0.5)])),
+    ("line", "two points", lambda s: pl.Bore([(0, 0, 0)], 0.1)),
+    ("line[1]", "coincides", lambda s: pl.Bore([(0, 0, 0), (0, 0, 0), (1, 0, 0)], 0.1)),
+    ("tangents", "not vanish", lambda s: pl.Bore([(0, 0, 0), (1, 0, 0)], 0.1, [(0, 0, 0), (1, 0, 0)])),
+    ("tangents", "leave them out", lambda s: pl.Bore(ARC, 0.1, [(1, 0, 0)])),
+    ("radius", "radius of curvature", lambda s: pl.Bore(ARC, 1.1)),
+    ("radius", "-1", lambda s: pl.Bore(ARC, -1)),
+    ("damping_velocity", "above 0", lambda s: pl.LuGre(0.4, 0.3, damping_velocity=0.0)),
     ("b", "another model", lambda s: s.m.add_contact(s.rope, s.stranger)),
     ("a", "ground", lambda s: s.m.add_contact(s.ground, s.ground)),
     ("b", "contact1", lambda s: s.m.add_contact(s.rope)),

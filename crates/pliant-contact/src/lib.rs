@@ -3,6 +3,7 @@
 //! Nothing here knows elements, bodies or time stepping: curves are cubic pieces given by their ends and slopes, and
 //! forces come as numbers for the points in contact with their derivatives.
 
+pub mod bore;
 pub mod broad_phase;
 pub mod curve;
 pub mod friction;

@@ -1,6 +1,7 @@
 //! Shapes: signed distance of a point, below zero inside, with its gradient and Hessian. Axis z, centre at the origin of
 //! the shape's own frame.
 
+use crate::bore::Bore;
 use crate::meshes::Mesh;
 use nalgebra::{Matrix3, Vector3};
 
@@ -35,6 +36,8 @@ pub enum Shape {
     },
     /// A surface of triangles.
     Mesh(Mesh),
+    /// A channel along a line, touched from inside.
+    Bore(Bore),
 }
 
 /// Signed distance, its gradient (a unit vector, outwards) and its Hessian.
@@ -63,6 +66,7 @@ impl Shape {
         let across = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
         match *self {
             Self::Mesh(ref mesh) => mesh.distance(q),
+            Self::Bore(ref bore) => bore.distance(q),
             Self::HalfSpace => {
                 Distance { value: q.z, normal: Vector3::z(), hessian: Matrix3::zeros() }
             }
@@ -95,14 +99,15 @@ impl Shape {
             Self::HalfSpace => f64::INFINITY,
             Self::Ball { radius } | Self::Capsule { radius, .. } => radius,
             Self::Box { .. } | Self::Cylinder { .. } | Self::Mesh(_) => 0.0,
+            Self::Bore(ref bore) => bore.reach(),
         }
     }
 
-    /// Half of the edges of its box in its own frame; infinite for the half-space.
+    /// Half of the edges of its box in its own frame; infinite for the half-space and what is around a bore.
     #[must_use]
     pub fn half_extent(&self) -> [f64; 3] {
         match *self {
-            Self::HalfSpace => [f64::INFINITY; 3],
+            Self::HalfSpace | Self::Bore(_) => [f64::INFINITY; 3],
             Self::Ball { radius } => [radius; 3],
             Self::Box { half } => half,
             Self::Cylinder { radius, half } => [radius, radius, half],
@@ -169,6 +174,7 @@ mod tests {
             Shape::Box { half: [0.3, 0.5, 0.2] },
             Shape::Cylinder { radius: 0.3, half: 0.4 },
             Shape::Capsule { radius: 0.25, half: 0.3 },
+            Shape::Bore(crate::bore::tests::quarter().0),
         ]
     }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use pliant_contact::bore::Bore;
 use pliant_contact::curve::{Piece, sign_changes};
 use pliant_contact::friction::{Coulomb, Friction, LuGre};
 use pliant_contact::normal::Normal;
@@ -48,6 +49,15 @@ fn brute_distance(master: &Piece, q: Vector3<f64>) -> f64 {
     d(0.5 * (a + b))
 }
 
+/// A bore along an arc of a radian and 0.4 m.
+fn bore() -> Bore {
+    let angles: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
+    let points: Vec<[f64; 3]> =
+        angles.iter().map(|a| [0.4 * a.sin(), 0.4 - 0.4 * a.cos(), 0.0]).collect();
+    let tangents: Vec<[f64; 3]> = angles.iter().map(|a| [a.cos(), a.sin(), 0.0]).collect();
+    Bore::new(&points, &tangents, &[0.05; 8], 0.15).unwrap()
+}
+
 proptest! {
     #[test]
     fn no_zone_is_missed(slave in bent(0.03), master in bent(0.03)) {
@@ -63,13 +73,14 @@ proptest! {
     }
 
     #[test]
-    fn no_zone_on_a_shape_is_missed(slave in bent(0.03), which in 0..5_usize, origin in vectors(), turn in vectors()) {
+    fn no_zone_on_a_shape_is_missed(slave in bent(0.03), which in 0..6_usize, origin in vectors(), turn in vectors()) {
         let shape = [
             Shape::HalfSpace,
             Shape::Ball { radius: 0.2 },
             Shape::Box { half: [0.2, 0.1, 0.15] },
             Shape::Cylinder { radius: 0.1, half: 0.3 },
             Shape::Capsule { radius: 0.1, half: 0.2 },
+            Shape::Bore(bore()),
         ][which].clone();
         let axes = *Rotation3::from_scaled_axis(turn * 3.0).matrix();
         let placed = Placed { shape, origin: origin * 0.3, axes };

@@ -316,6 +316,17 @@ pub enum ShapeSpec {
         /// Rows of three points (m, 3).
         triangles: Array,
     },
+    /// A channel along a line of cubic pieces, touched from inside.
+    Bore {
+        /// Radius [m].
+        radius: f64,
+        /// Points of the line (n + 1, 3) [m].
+        points: Array,
+        /// Its unit tangents there (n + 1, 3).
+        tangents: Array,
+        /// Lengths of the pieces (n,) [m].
+        lengths: Array,
+    },
 }
 
 /// A law of friction, all coefficients given.
@@ -332,6 +343,7 @@ pub enum FrictionSpec {
         sigma_0: f64,
         sigma_1: f64,
         sigma_2: f64,
+        v_d: f64,
         scaled: bool,
     },
     /// Coulomb.

@@ -20,6 +20,7 @@ fn friction() -> FrictionSpec {
         sigma_0: 1e4,
         sigma_1: 6.0,
         sigma_2: 0.1,
+        v_d: 5e-2,
         scaled: true,
     }
 }

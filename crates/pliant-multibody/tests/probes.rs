@@ -153,6 +153,7 @@ fn spec(pair: &(SideSpec, SideSpec), friction: bool) -> ModelSpec {
         sigma_0: 100.0,
         sigma_1: 0.6,
         sigma_2: 0.1,
+        v_d: 1.5,
         scaled: true,
     };
     spec.probe_contacts.push(ProbeContactSpec {

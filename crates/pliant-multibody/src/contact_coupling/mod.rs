@@ -213,8 +213,7 @@ pub(crate) fn laws_of(
         return Err(ModelError::Value { place: place.to_owned(), value, allowed });
     }
     let friction = friction.as_ref().map(|friction| match *friction {
-        FrictionSpec::Lugre { mu_s, mu_d, v_s, alpha, sigma_0, sigma_1, sigma_2, scaled } => {
-            let v_d = 5.0 * v_s;
+        FrictionSpec::Lugre { mu_s, mu_d, v_s, alpha, sigma_0, sigma_1, sigma_2, v_d, scaled } => {
             Friction::LuGre(LuGre {
                 mu_s,
                 mu_d,

@@ -243,6 +243,6 @@ fn points(shape: &Shape, towards: Vector3<f64>) -> Vec<(Vector3<f64>, f64)> {
                 .collect()
         }
         Shape::Mesh(ref mesh) => mesh.vertices().into_iter().map(|v| (v, 0.0)).collect(),
-        Shape::HalfSpace | Shape::Capsule { .. } => Vec::new(),
+        Shape::HalfSpace | Shape::Capsule { .. } | Shape::Bore(_) => Vec::new(),
     }
 }

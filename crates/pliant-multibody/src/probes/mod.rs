@@ -213,10 +213,10 @@ fn facings(contact: usize, sides: &[Side; 2]) -> Vec<Facing> {
                 return vec![facing(slave, false)];
             }
             // Points of both, where both have some.
-            let pointed = |s: &Shape| !matches!(s, Shape::HalfSpace);
+            let wide = |s: &Shape| matches!(s, Shape::HalfSpace | Shape::Bore(_));
             (0..2)
-                .filter(|&k| pointed([&a, &b][k]) && !matches!([&a, &b][1 - k], Shape::HalfSpace))
-                .chain((0..2).filter(|&k| matches!([&a, &b][1 - k], Shape::HalfSpace)))
+                .filter(|&k| !wide([&a, &b][k]) && !wide([&a, &b][1 - k]))
+                .chain((0..2).filter(|&k| wide([&a, &b][1 - k])))
                 .map(|k| facing(k, false))
                 .collect()
         }

@@ -3,6 +3,7 @@
 use crate::document::{Arrays, row};
 use crate::error::ModelError;
 use crate::spec::{Array, FrictionSpec, PointSpec, ShapeSpec};
+use pliant_contact::bore::Bore;
 use pliant_contact::meshes::Mesh;
 use pliant_contact::shapes::Shape;
 use serde::{Deserialize, Serialize};
@@ -95,6 +96,15 @@ pub(crate) fn shape_of(
             Shape::Mesh(Mesh::new(&points, &corners).ok_or_else(|| ModelError::Unsupported {
                 place: place.to_owned(),
                 reason: "its mesh has no triangles, or one names a point that is not there",
+            })?)
+        }
+        ShapeSpec::Bore { radius, points, tangents, lengths } => {
+            let lengths = arrays.get(lengths, place)?;
+            let (points, tangents) = (flat(points, arrays, place)?, flat(tangents, arrays, place)?);
+            let bore = Bore::new(&points, &tangents, lengths, *radius);
+            Shape::Bore(bore.ok_or_else(|| ModelError::Unsupported {
+                place: place.to_owned(),
+                reason: "its line has no pieces, or bends more sharply than its radius",
             })?)
         }
     })

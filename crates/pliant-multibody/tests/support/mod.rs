@@ -142,6 +142,7 @@ pub fn thrown_across(elements: usize) -> ModelSpec {
             sigma_0: 1e5,
             sigma_1: 20.0,
             sigma_2: 0.0,
+            v_d: 5e-2,
             scaled: true,
         }),
         window: 0.0,
