@@ -43,7 +43,7 @@ from pliant.joints import (
     Universal,
     Weld,
 )
-from pliant.loads import EdgeLoad, LineLoad, Moment, MovingForce, Pressure, SurfaceLoad
+from pliant.loads import EdgeMoment, LineLoad, Moment, MovingForce, Pressure, SurfaceLoad
 from pliant.points import Point, WorldPoint
 from pliant.signals import Function, Signal
 from pliant.signals import Input as HeldInput
@@ -563,6 +563,20 @@ class _Lowering(Sharing):
         return signal.document(register)
 
     def _load(self, load: Any) -> Json:
+        if isinstance(load, EdgeMoment):
+            body = self.surfaces[load.edge.body]
+            sides, forwards = body.sides_running(list(load.edge.nodes))
+            # The core's axis is the direction in which the sides of the faces run.
+            value = self._signal(load.value if forwards else -load.value, load.name)
+            surface = self.lowered.surfaces[load.edge.body]
+            numbers = self._array(np.array(sides))
+            return {
+                "kind": "edge_moment",
+                "name": load.name,
+                "surface": surface,
+                "value": value,
+                "sides": numbers,
+            }
         value = self._signal(load.value, load.name)
         if isinstance(load, MovingForce):
             return {
@@ -589,8 +603,7 @@ class _Lowering(Sharing):
                 held = is_held(self.model, self.surfaces[part.body], load.faces.numbers)
                 faces = self._array(np.array(load.faces.numbers))
                 return {"kind": "pressure", **entries, "faces": faces, "conservative": held}
-            kind = "edge" if isinstance(load, EdgeLoad) else "edge_moment"
-            return {"kind": kind, **entries, "sides": self._array(np.array(load.edge.sides))}
+            return {"kind": "edge", **entries, "sides": self._array(np.array(load.edge.sides))}
         at = self._point(load.at)
         if isinstance(load, Moment):
             return {"kind": "moment", "name": load.name, "at": at, "value": value}

@@ -400,6 +400,28 @@ class SurfaceBody:
             sides.append(found[0])
         return sides
 
+    def sides_running(self, nodes: list[int]) -> tuple[list[Side], bool]:
+        """Sides along a chain of nodes that all run as it does, or all against it, and which.
+
+        On a rim a side runs one way only; inside, the faces on both sides of it run it either way.
+        """
+        with_it: list[Side | None] = []
+        against: list[Side | None] = []
+        for a, b in pairwise(nodes):
+            found: dict[bool, Side] = {}
+            for face, side in self.sides.get((min(a, b), max(a, b)), []):
+                found.setdefault(int(self.corners(face)[side]) == a, (face, side))
+            with_it.append(found.get(True))
+            against.append(found.get(False))
+        for chain, forwards in ((with_it, True), (against, False)):
+            sides = [side for side in chain if side is not None]
+            if len(sides) == len(chain):
+                return sides, forwards
+        raise ModelError(
+            f"edge: along the nodes {nodes} of '{self.name}' the surface lies left and right by turns; "
+            "give the edge in pieces"
+        )
+
 
 def _shared_key(nodes: list[int], i: int, j: int, fine: int) -> tuple[int, ...] | None:
     """Name of a point on a side, (node, node, pieces from the first), the same for all faces there."""

@@ -44,3 +44,26 @@ def test_a_strip_rolls_up_in_four_steps(record):
     # A full circle; the prototype with this mesh closes it to 4e-3.
     assert record("roll-up in four steps, -u", float(12 - tip[0]), 12.0, 6e-3, source="closed form")
     assert record("roll-up in four steps, w", float(tip[2]), 0.0, 1e-3, source="closed form")
+
+
+@pytest.mark.parametrize("end", ["u_min", "u_max"])
+def test_the_axis_of_a_moment_runs_as_its_edge_does(end, record):
+    """Two couples that cancel bend what lies between them, whichever way the sides of the faces run."""
+    length, width, thickness, moment = 0.12, 0.04, 8e-3, 0.2
+    rubber = pl.SaintVenantKirchhoff(youngs_modulus=3e5, poisson_ratio=0.0, density=1000.0)
+    model = pl.Model()
+    mesh = pl.Mesh.rectangle(length, width, divisions=(12, 2))
+    shell = model.add_shell(mesh, thickness=thickness, material=rubber)
+    held, free, sign = ("u_max", 0.0, -1.0) if end == "u_min" else ("u_min", length, 1.0)
+    clamp = model.clamp(shell.edge(held))
+    for x, size in ((free, sign), (length / 2, -sign)):
+        line = [(x, y, 0.0) for y in (0.0, width / 2, width)]
+        model.add_edge_moment(shell.edge(line), size * moment)
+    result = pl.solve_static(model, load_steps=4)
+    curvature = moment * 12 / (3e5 * thickness**3)
+    tip = result.track(shell.at((free, 0.0, 0.0))).position[-1]
+    deep = (1 - np.cos(curvature * length / 2)) / curvature
+    # Fourth order: six elements on an arc of 0.94 rad.
+    assert record(f"couples on a strip held at {held}, depth of its end", -tip[2], deep, 1e-4, unit="m")
+    # Nothing is left for the clamp.
+    assert np.abs(result.reaction(clamp).moment[-1]).max() < 1e-6 * moment * width
