@@ -8,8 +8,10 @@ from pliant.scenes.bridge_catenary import bridge_catenary, elastic_catenary, loa
 from pliant.scenes.bungee import bungee, drop_test, stopping_tension
 from pliant.scenes.cable_slap import cable_slap, string_and_post
 from pliant.scenes.capstan import capstan
+from pliant.scenes.catheter import catheter, helical_force, sinusoidal_force
 from pliant.scenes.falling_rope import falling_rope
 from pliant.scenes.folded_chain import folded_chain
+from pliant.scenes.friction_rig import friction_rig
 from pliant.scenes.galloping_line import galloping_line
 from pliant.scenes.hanging_chain import hanging_chain
 from pliant.scenes.pendulum_winch import pendulum_winch
@@ -26,16 +28,20 @@ __all__ = [
     "bungee",
     "cable_slap",
     "capstan",
+    "catheter",
     "drop_test",
     "elastic_catenary",
     "energy_drift",
     "falling_rope",
     "folded_chain",
+    "friction_rig",
     "galloping_line",
     "hanging_chain",
+    "helical_force",
     "loaded_catenary",
     "pendulum_winch",
     "quadruped",
+    "sinusoidal_force",
     "solar_sail",
     "stopping_tension",
     "string_and_post",
@@ -54,6 +60,8 @@ SCENES: dict[str, Callable[..., Scene]] = {
         pendulum_winch,
         capstan,
         cable_slap,
+        catheter,
+        friction_rig,
         quadruped,
         solar_sail,
     )
