@@ -15,8 +15,8 @@ SMALL = {
         "cycles": 1,
         "settling": 0,
         "step": 4e-3,
-        "frictions": (0.4, 0.8),
-        "cases": ("walks: lag of a quarter",),
+        "members": 2,
+        "cases": ("chambers, lag 1/4",),
     },
     "bungee": {"jump": {"elements": 20, "step": 4e-3}, "drop": {"elements": 50, "step": 2e-3}},
     "contact_zones": {"elements": 24, "samples": 1500, "duration": 0.01},
@@ -30,6 +30,7 @@ SMALL = {
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
     "folded_chain": {"elements": 60, "step": 5e-4, "duration": 0.51},
+    "friction_rig": {"pull": 11.0, "push": 15.0, "rates": (1.0, 50.0), "angles": (16, 20, 23)},
     "galloping_line": {
         "winds": (1.0, 2.0),
         "elements": 8,

@@ -14,6 +14,7 @@ from pliant.model import Model
 from pliant.result import Result
 from pliant.scenes.scene import Expected, Scene
 from pliant.signals import Table
+from pliant.surfaces import Edge, Shell
 from pliant.typing import FloatArray, IntArray
 
 __all__ = ["quadruped"]
@@ -30,11 +31,12 @@ def quadruped(
     actuation: str = "curvature",
     lag: float = 0.25,
     curvature: float = -20.0,
+    pressure: float = 4e4,
     force: float = 0.3,
     period: float = 0.6,
     cycles: int = 6,
     settling: int = 3,
-    friction: float = 0.6,
+    friction: float | LuGre = 0.6,
     refinement: int = 1,
     length: float = 0.135,
     span: float = 0.13,
@@ -51,26 +53,32 @@ def quadruped(
     back. Where the front half does what the back half did half a period ago (``lag=0.5``), mirroring and
     waiting half a period changes nothing, so that a settled motion travels nowhere: alternating equal loads
     cannot walk. A lag of a quarter breaks the symmetry, and ``lag=-0.25`` walks the other way. Loads from
-    outside, vertical forces as in the published model, do it badly; curvature from within, as chambers make
-    it, does it well.
+    outside, vertical forces as in the published model, do it badly; what acts from within does it well: rest
+    curvature, or chambers under pressure. Chambers fill the upper half of the thickness h of a half of the
+    robot; their pressure p on the walls that end them, h/2 high and h/4 above the middle, makes couples of
+    p h^2/8 per width, which cancel over the robot. The stretch that comes with them, p/(2 E), is left out.
 
     Parameters
     ----------
     gait : {"undulation", "crawl"}
-        Undulation: front and back half of body and legs arch in turn, it travels along x. Crawl: two
-        neighbouring legs, then the other two, it travels along the diagonal between them.
-    actuation : {"curvature", "forces"}
-        From within: the rest curvature of a half pulses. From outside: vertical forces on the halves do.
+        Undulation: front and back half of body and legs arch in turn, it travels along x. Crawl: the front
+        and the left leg, then the other two. No mirror keeps it on the diagonal between them: it travels
+        aside, too, and may turn.
+    actuation : {"curvature", "pressure", "forces"}
+        From within: the rest curvature of a half pulses, or the pressure in its chambers. From outside:
+        vertical forces on the halves do.
     lag : float
         By how much the front half comes later, in periods.
     curvature : float
         Peak of the rest curvature [1/m]; below zero the middle rises.
+    pressure : float
+        Peak of the pressure in the chambers [Pa].
     force : float
         Peak of each of the two forces, upwards [N].
     period, cycles, settling : float, int, int
         Period of the gait [s], how many are simulated, and how many of these are left to settle it.
-    friction : float
-        Coefficient of static and dynamic friction.
+    friction : float or LuGre
+        Coefficient of static and dynamic friction, or the law.
     refinement : int
         Elements along each side of a cell: 1 makes 24 in all.
     length, span, thickness : float
@@ -87,7 +95,7 @@ def quadruped(
         ``expected``.
     """
     _check.choice(gait, "gait", DIRECTIONS)
-    _check.choice(actuation, "actuation", ("curvature", "forces"))
+    _check.choice(actuation, "actuation", ("curvature", "pressure", "forces"))
     settling = _check.count(settling, "settling", at_least=0)
     cycles = _check.count(cycles, "cycles", at_least=settling + 1)
     refinement = _check.count(refinement, "refinement", at_least=1)
@@ -98,16 +106,21 @@ def quadruped(
     )
     robot = model.add_shell(mesh, thickness=thickness, material=rubber, name="robot")
     ground = model.add_obstacle(HalfSpace(), name="ground")
-    model.add_contact(robot, ground, friction=LuGre(friction, friction), name="feet")
+    law = friction if isinstance(friction, LuGre) else LuGre(friction, friction)
+    model.add_contact(robot, ground, friction=law, name="feet")
 
     front, back = halves(gait, centers, length, span)
     for faces, delay in ((back, 0.0), (front, lag)):
-        if actuation == "curvature":
+        if actuation != "forces":
             along = along_x(gait, centers[faces], length, span)
-            for share, axes in ((along, (1.0, 0.0, 0.0)), (~along, (0.0, 1.0, 0.0))):
-                if share.any():
-                    value = pulse(curvature, period, delay) * np.array(axes)
+            for axis, share in enumerate((along, ~along)):
+                if share.any() and actuation == "curvature":
+                    value = pulse(curvature, period, delay) * np.eye(3)[axis]
                     model.add_curvature(robot.faces(faces[share]), value)
+                elif share.any():
+                    couple = pulse(pressure * thickness**2 / 8, period, delay)
+                    for edge, sign in chamber_ends(robot, mesh, faces[share], axis):
+                        model.add_edge_moment(edge, sign * couple)
         else:
             middle = centers[faces].mean(axis=0)
             lift = pulse(force, period, delay) * np.array([0.0, 0.0, 1.0])
@@ -137,6 +150,7 @@ def quadruped(
             "sideways per cycle [mm]": float(
                 1e3 * (travels(result, period)[settling:] @ np.cross([0, 0, 1], direction)).mean()
             ),
+            "turn per cycle [degrees]": turn(result, period, settling),
             "support over weight": float((mean[2] + pull[2]) / weight),
             "horizontal force over weight": float(np.abs(mean[:2] + pull[:2]).max() / weight),
             "impulse balance": float(np.abs(balance).max() / weight),
@@ -146,7 +160,7 @@ def quadruped(
         "support over weight": Expected(1.0, 0.01, "a settled motion neither rises nor falls"),
         "impulse balance": Expected(0.0, 0.01, "change of momentum = impulse of ground, loads and weight"),
     }
-    if actuation == "curvature":
+    if actuation != "forces":
         expected["horizontal force over weight"] = Expected(0.0, 0.01, "nothing pulls from outside")
     if abs(lag) == 0.5:
         expected["travel per cycle [mm]"] = Expected(0.0, 0.05, "mirror image half a period later")
@@ -193,12 +207,48 @@ def along_x(gait: str, centers: FloatArray, length: float, span: float) -> NDArr
     return np.abs(centers[:, 1]) / span * ROWS < 1.0
 
 
+def chamber_ends(robot: Shell, mesh: Mesh, faces: IntArray, axis: int) -> list[tuple[Edge, float]]:
+    """Edges that end the chambers of faces along an axis, running so that 1.0 bends the far end down.
+
+    Where one face follows another, the pressure on both sides of the wall between them cancels.
+    """
+    # Sides of a face, from corner to corner: those at its near and at its far end.
+    near, far = ((0, 3), (1, 2)) if axis == 0 else ((1, 0), (2, 3))
+    walls: dict[tuple[int, int], float] = {}
+    for corners in mesh.quads[faces]:
+        for (a, b), sign in ((near, -1.0), (far, 1.0)):
+            side = (int(corners[a]), int(corners[b]))
+            walls[side] = walls.get(side, 0.0) + sign
+    left = {side: sign for side, sign in walls.items() if sign != 0.0}
+    runs: list[tuple[list[int], float]] = []
+    while left:
+        starts = {a for a, _ in left} - {b for (_, b) in left}
+        (a, b), sign = next((side, sign) for side, sign in left.items() if side[0] in starts)
+        run = [a]
+        while left.get((a, b)) == sign:
+            del left[a, b]
+            run.append(b)
+            a, b = b, next((d for c, d in left if c == b), -1)
+        runs.append((run, sign))
+    return [(robot.edge(mesh.points[run]), sign) for run, sign in runs]
+
+
 def pulse(peak: float, period: float, delay: float) -> Table:
     """Make a smooth pulse sin^2 in every period, ``delay`` periods late."""
     phase = np.arange(PULSE + 1) / PULSE
     values = peak * np.sin(np.pi * (phase - delay)) ** 2
     values[-1] = values[0]
     return Table(phase * period, values, period=period, smooth=True)
+
+
+def turn(result: Result, period: float, settling: int) -> float:
+    """Mean angle by which it turns to the left in a settled cycle [degrees]."""
+    r = result.positions("robot")
+    axis = r[:, np.argmax(r[0, :, 0])] - r[:, np.argmin(r[0, :, 0])]
+    angle = np.unwrap(np.arctan2(axis[:, 1], axis[:, 0]))
+    count = round(float(result.time[-1]) / period)
+    at = np.interp(np.array([settling, count]) * period, result.time, angle)
+    return float(np.degrees(at[1] - at[0]) / (count - settling))
 
 
 def travels(result: Result, period: float) -> FloatArray:
