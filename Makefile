@@ -15,7 +15,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 NEXTEST := $(shell PATH="$(PATH)" command -v cargo-nextest 2>/dev/null)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-rust test-python validate lint bench bench-exudyn docs fuzz clean
+.PHONY: help setup demo test test-rust test-python validate lint bench bench-exudyn bench-mujoco docs fuzz clean
 .NOTPARALLEL:
 
 help: ## this list
@@ -55,7 +55,7 @@ lint: setup ## formatting, clippy, ruff, mypy, floors
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: setup bench-exudyn ## speed: Rust kernels, scaling, import time, beside Exudyn
+bench: setup bench-exudyn bench-mujoco ## speed: Rust kernels, scaling, import time, beside Exudyn and MuJoCo
 	cargo bench
 	$(PY) benchmarks/import_time.py
 	$(PY) benchmarks/stepper.py
@@ -63,8 +63,11 @@ bench: setup bench-exudyn ## speed: Rust kernels, scaling, import time, beside E
 	$(PY) benchmarks/scaling.py
 	$(PY) benchmarks/falling_pendulum.py --exudyn .venv-exudyn/bin/python
 	$(PY) benchmarks/falling_sheet.py --exudyn .venv-exudyn/bin/python
+	$(PY) benchmarks/contact.py --mujoco .venv-mujoco/bin/python
 
 bench-exudyn: .venv-exudyn/.ready
+
+bench-mujoco: .venv-mujoco/.ready
 
 docs: setup ## rewrites docs/reference.md from the docstrings; Rust documentation in target/doc
 	$(PY) docs/build_reference.py
@@ -75,7 +78,7 @@ fuzz: setup ## hunts with many random cases, as long as it takes
 	$(PY) -m pytest tests/robustness --timeout 0 --hypothesis-profile fuzz
 
 clean: ## removes what was built
-	rm -rf $(VENV) .venv-exudyn out dist target
+	rm -rf $(VENV) .venv-exudyn .venv-mujoco out dist target
 
 # The package is installed in place: Python sources need no rebuild, Rust sources and dependencies do.
 $(VENV)/.built: $(VENV)/.maturin pyproject.toml README.md $(RUST_SOURCES)
@@ -92,4 +95,10 @@ $(VENV)/.maturin:
 .venv-exudyn/.ready:
 	$(PYTHON) -m venv .venv-exudyn
 	.venv-exudyn/bin/python -m pip install --quiet exudyn numpy
+	@touch $@
+
+# The `cable` composite is not in MuJoCo 4.
+.venv-mujoco/.ready:
+	$(PYTHON) -m venv .venv-mujoco
+	.venv-mujoco/bin/python -m pip install --quiet 'mujoco<4' numpy
 	@touch $@

@@ -1,5 +1,5 @@
-//! Search and forces of contact: what a pair costs that is apart, that crosses, that lies along the other; the tangent
-//! of a patch; and the tree of boxes for 32,000 elements.
+//! Search and forces of contact: what a pair costs that is apart, that crosses, that lies along the other; the forces
+//! and the tangent of a patch; a step of the bristles; and the tree of boxes for 32,000 elements.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -7,7 +7,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Matrix3, Vector3};
 use pliant_contact::broad_phase::{Box3, pairs};
 use pliant_contact::curve::Piece;
-use pliant_contact::friction::{Friction, LuGre};
+use pliant_contact::friction::{Friction, LuGre, Slip};
 use pliant_contact::normal::Normal;
 use pliant_contact::point::{Laws, Motion};
 use pliant_contact::shapes::{Placed, Shape};
@@ -80,6 +80,22 @@ fn tangent(criterion: &mut Criterion) {
     };
     let v = [Vector3::new(0.01, 0.02, -0.01); 8];
     let motion = Motion { v: &v, moved: &v.map(|v| v * 1e-3), h: 1e-3, z: Vector3::zeros() };
+    criterion.bench_function("forces of a patch", |bencher| {
+        bencher.iter(|| {
+            let mut out = [Vector3::zeros(); 8];
+            for point in found[0].points() {
+                let force = point.place.force(&laws, &black_box(motion));
+                point.place.add_force(force.total, &mut out);
+            }
+            out
+        });
+    });
+    let (mean, end) = (Vector3::new(0.01, 0.02, 0.0), Vector3::new(0.011, 0.021, 0.0));
+    let z = Vector3::new(2e-6, 1e-6, 0.0);
+    let slip = Slip { z, mean, end, normal: 30.0, h: 1e-3 };
+    criterion.bench_function("bristles over a step", |bencher| {
+        bencher.iter(|| lugre.respond(&black_box(slip)));
+    });
     let mut blocks = [[Matrix3::zeros(); 8]; 8];
     criterion.bench_function("tangent of a patch", |bencher| {
         bencher.iter(|| {
