@@ -254,20 +254,16 @@ impl SurfaceMap {
     }
 
     /// Calls `work` at the points of a rule along sides: the face, its shape functions, the direction of the side in
-    /// the parameters, the side's derivative of the reference position and the weight.
+    /// the parameters, the side's derivative of the reference position, the weight and the place on the side.
     fn along(
         &self,
         sides: &[[usize; 2]],
-        mut work: impl FnMut(&Face, &[Jet], [f64; 2], Vector3<f64>, f64),
+        mut work: impl FnMut(&Face, &[Jet], [f64; 2], Vector3<f64>, [f64; 2], usize),
     ) {
         for &[face, side] in sides {
             let face = &self.faces[face];
             let n = face.kind.corners();
-            let places: &[[f64; 2]] = if n == 3 {
-                &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
-            } else {
-                &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-            };
+            let places = corner_places(n);
             let next = (side + 1) % n;
             let corners = &face.chart.corners;
             let direction = [0, 1].map(|c| corners[next][c] - corners[side][c]);
@@ -279,7 +275,7 @@ impl SurfaceMap {
                     .iter()
                     .zip(&reference)
                     .map(|(j, &x)| vector(x) * (direction[0] * j.u + direction[1] * j.v));
-                work(face, &jets, direction, speed.sum(), weight);
+                work(face, &jets, direction, speed.sum(), [weight, t], side);
             }
         }
     }
@@ -288,7 +284,7 @@ impl SurfaceMap {
     #[must_use]
     pub fn edge_weights(&self, sides: &[[usize; 2]]) -> Interpolation {
         let mut total = vec![0.0; self.nodes * self.vectors];
-        self.along(sides, |face, jets, _, speed, weight| {
+        self.along(sides, |face, jets, _, speed, [weight, _], _| {
             for (&offset, jet) in self.vectors_of(face).iter().zip(jets) {
                 total[(offset - self.first) / 3] += weight * speed.norm() * jet.value;
             }
@@ -298,13 +294,27 @@ impl SurfaceMap {
     }
 
     /// Points of a rule along sides, for moments; `q` is the start.
+    ///
+    /// Slopes across the sides of plates agree at nodes only. What they have beyond a line from node to node cancels
+    /// in each element with that of the opposite side as long as the moments inside are constant, so a moment on the
+    /// edge must not see it either.
     #[must_use]
     pub fn edge_points(&self, sides: &[[usize; 2]], q: &[f64]) -> Vec<EdgePoint> {
         let mut points = Vec::new();
-        self.along(sides, |face, jets, direction, speed, weight| {
+        self.along(sides, |face, jets, direction, speed, [weight, t], side| {
             // The slope normal to the side in the parameters; what it has along the side does not count.
             let normal = [-direction[1], direction[0]];
-            let across = self.sum(face, jets, |j| normal[0] * j.u + normal[1] * j.v);
+            let slope = |j: &Jet| normal[0] * j.u + normal[1] * j.v;
+            let across = if face.kind == SurfaceKind::Plate {
+                let places = corner_places(4);
+                let [start, end] = [side, (side + 1) % 4]
+                    .map(|corner| face.kind.shape(&face.chart, places[corner]));
+                let both = start.iter().zip(&end);
+                let weights = both.map(|(a, b)| (1.0 - t) * slope(a) + t * slope(b));
+                Interpolation::weighted(self.vectors_of(face).into_iter().zip(weights))
+            } else {
+                self.sum(face, jets, slope)
+            };
             let here = self.sum(face, jets, |j| direction[0] * j.u + direction[1] * j.v);
             let tangent = vector(here.at(q));
             if let Some(direction) = tangent.try_normalize(0.0) {
@@ -319,7 +329,7 @@ impl SurfaceMap {
     #[must_use]
     pub fn rim_points(&self, side: [usize; 2]) -> Vec<RimPoint> {
         let mut points = Vec::new();
-        self.along(&[side], |face, jets, direction, _, weight| {
+        self.along(&[side], |face, jets, direction, _, [weight, _], _| {
             let r = self.sum(face, jets, |j| j.value);
             let d = self.sum(face, jets, |j| direction[0] * j.u + direction[1] * j.v);
             points.push(RimPoint { r, d, weight });
@@ -335,5 +345,14 @@ impl SurfaceMap {
         let what = ["position", "slope along u", "slope along v", "twist"][vector];
         let c = ["x", "y", "z"][local % 3];
         format!("surface '{}', node {node}, {what} {c}", self.name)
+    }
+}
+
+/// Where the corners of a face with so many lie in its own parameters.
+fn corner_places(corners: usize) -> &'static [[f64; 2]] {
+    if corners == 3 {
+        &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+    } else {
+        &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
     }
 }

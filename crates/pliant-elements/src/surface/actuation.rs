@@ -1,10 +1,13 @@
 //! A rest curvature that changes by kappa: what the energy `W(E, k + kappa) - W(E, k)` of an element adds, for any law.
 
 use super::SurfaceBlock;
+use super::kernel::WIDEST;
 use super::point::{Frame, Hessian, PAIRS, Vectors, hessian};
+use super::precomputed::Blocks;
 use super::scalar::{local, vectors_at};
 use crate::materials::Voigt;
 use pliant_math::Vec3;
+use pulp::Arch;
 
 /// A point of the rule with its strains.
 struct Here<'a> {
@@ -93,7 +96,9 @@ impl SurfaceBlock {
     ) {
         let (n, width, h) = (self.kind.vectors(), self.width(), self.thickness[e]);
         let mut second: Hessian = [[[0.0; 5]; 5]; 6];
-        let mut rows = vec![0.0; 5 * n];
+        let mut rows = [[0.0; WIDEST]; 5];
+        let mut blocks: Blocks = [[[0.0; WIDEST]; WIDEST]; 6];
+        let arch = Arch::new();
         self.each_actuated(e, q, kappa, |here| {
             let [membrane, k, after] = here.strains;
             let mut stiffness = self.law.material.stiffness(h, membrane, after);
@@ -107,33 +112,51 @@ impl SurfaceBlock {
             }
             let [n_r, m_r] = self.added_resultants(h, &here);
             hessian(&here.frame, &here.x, n_r, m_r, &stiffness, &mut second);
-            for s in 0..5 {
-                for i in 0..n {
-                    let row = |s: usize| here.rows[s * width + i];
-                    rows[s * n + i] = row(s);
-                    if s >= 2 {
-                        // Covariant second derivative: W_ij = H_ij - G^c_ij B_c.
-                        for (c, dual) in here.frame.dual.iter().enumerate() {
-                            rows[s * n + i] -= dual.dot(here.x.h[s - 2]) * row(c);
+            for (s, to) in rows.iter_mut().enumerate() {
+                to[..width].copy_from_slice(&here.rows[s * width..(s + 1) * width]);
+                if s >= 2 {
+                    // Covariant second derivative: W_ij = H_ij - G^c_ij B_c.
+                    for (c, dual) in here.frame.dual.iter().enumerate() {
+                        let christoffel = dual.dot(here.x.h[s - 2]);
+                        for (to, b) in to.iter_mut().zip(&here.rows[c * width..(c + 1) * width]) {
+                            *to -= christoffel * b;
                         }
                     }
                 }
             }
-            for (second, (c, d)) in second.iter().zip(PAIRS) {
-                for j in 0..n {
-                    let mut right = [0.0; 5];
-                    for (s, right) in right.iter_mut().enumerate() {
-                        *right = (0..5).map(|t| second[s][t] * rows[t * n + j]).sum();
-                    }
-                    for i in 0..n {
-                        let sum: f64 = (0..5).map(|s| rows[s * n + i] * right[s]).sum();
-                        out[(3 * i + c) * 3 * n + 3 * j + d] += factor * sum;
-                        if c != d {
-                            out[(3 * j + d) * 3 * n + 3 * i + c] += factor * sum;
-                        }
-                    }
-                }
-            }
+            arch.dispatch(|| add_products(&second, &rows, &mut blocks));
         });
+        for (block, (c, d)) in blocks.iter().zip(PAIRS) {
+            for (i, row) in block.iter().enumerate().take(n) {
+                for (j, value) in row.iter().enumerate().take(n) {
+                    out[(3 * i + c) * 3 * n + 3 * j + d] += factor * value;
+                    if c != d {
+                        out[(3 * j + d) * 3 * n + 3 * i + c] += factor * value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds `rows^T second rows` to the blocks between components.
+#[inline(always)]
+fn add_products(second: &Hessian, rows: &[[f64; WIDEST]; 5], blocks: &mut Blocks) {
+    for (block, second) in blocks.iter_mut().zip(second) {
+        let mut products = [[0.0; WIDEST]; 5];
+        for (product, factors) in products.iter_mut().zip(second) {
+            for (row, factor) in rows.iter().zip(factors) {
+                for (to, from) in product.iter_mut().zip(row) {
+                    *to += factor * from;
+                }
+            }
+        }
+        for (i, to) in block.iter_mut().enumerate() {
+            for (row, product) in rows.iter().zip(&products) {
+                for (to, from) in to.iter_mut().zip(product) {
+                    *to += row[i] * from;
+                }
+            }
+        }
     }
 }
