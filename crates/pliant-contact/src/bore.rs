@@ -165,7 +165,7 @@ pub(crate) mod tests {
     proptest! {
         #[test]
         fn it_is_its_radius_less_the_distance_from_its_line(
-            s in -0.5..2.0_f64, part in 0.0..1.5_f64, around in 0.0..6.28_f64,
+            s in -0.5..2.0_f64, part in 0.0..1.5_f64, around in 0.0..std::f64::consts::TAU,
         ) {
             let (at, tangent) = line(s);
             let across = Vector3::z().cross(&tangent) * around.cos() + Vector3::z() * around.sin();
