@@ -42,7 +42,9 @@ def aside(force, waves, elements=32, halves=4, push=2e-4):
     return y @ shape / (shape @ shape)
 
 
-@pytest.mark.parametrize("waves", [3, 4, 5])
+@pytest.mark.parametrize(
+    "waves", [pytest.param(3, marks=pytest.mark.slow), 4, pytest.param(5, marks=pytest.mark.slow)]
+)
 def test_a_straight_rod_waves_at_paslays_force(waves, record):
     # What it gives way to a small load grows as 1/(F_c - F) (Southwell): two forces tell F_c, a third checks.
     forces = np.array([0.0, 0.05, 0.1])
@@ -83,7 +85,9 @@ def test_winding_a_rod_into_a_helix_takes_chens_force(record):
     assert means[1] < min(means[0], means[2])
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
+@pytest.mark.parametrize(
+    "friction", [pytest.param(0.1, marks=pytest.mark.slow), 0.2, pytest.param(0.3, marks=pytest.mark.slow)]
+)
 def test_a_bend_takes_its_share_of_the_push(friction, record):
     # Heavy, for the same slow motion with softer contact in fewer steps; without gravity.
     scene = catheter(
