@@ -21,7 +21,13 @@ from pliant.curves import Curve
 from pliant.errors import ConvergenceError, FileError, ModelError
 from pliant.friction import Coulomb, LuGre, lugre
 from pliant.gas import Gas
-from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff, youngs_modulus_from_shore_a
+from pliant.materials import (
+    BilinearPlastic,
+    LinearElastic,
+    NeoHookean,
+    SaintVenantKirchhoff,
+    youngs_modulus_from_shore_a,
+)
 from pliant.mesh import Mesh
 from pliant.model import Model
 from pliant.points import (
@@ -51,6 +57,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Beam",
+    "BilinearPlastic",
     "Bore",
     "Box",
     "Cable",

@@ -66,6 +66,9 @@ class System:
         """Joints with equations that follow from others at the start: joint, how many, from which joints."""
     def chamber_outputs(self) -> IntArray:
         """First number among the outputs of each chamber: absolute pressure, volume, mass, (k,)."""
+    def past_outputs(self) -> IntArray:
+        """For each cable the first number among the outputs of what its points remember of having yielded,
+        and how many numbers each element has, (k, 2); none where it does not yield."""
     def joint_outputs(self) -> IntArray:
         """For each joint the first of six numbers among the outputs (force and moment of a drive) and the
         number of its freedom's value, (k, 2); -1 where there is none."""

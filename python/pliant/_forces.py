@@ -306,10 +306,10 @@ class Forces(Lookup):
         Parameters
         ----------
         body : body or str
-            Of cables and nets a :class:`Strain`: ``axial`` (n, elements) and the vector of ``curvature``
-            [1/m] (n, elements, 3). Of shells and membranes a :class:`SurfaceStrain`: ``membrane`` and
-            ``bending`` (n, faces, 3), and the ``regime`` (n, faces) of films. Of beams a
-            :class:`BeamStrain`, which also has ``shear``.
+            Of cables and nets a :class:`Strain`: ``axial`` (n, elements), the vector of ``curvature`` [1/m]
+            (n, elements, 3), and the ``plastic`` part of the axial strain (n, elements). Of shells and
+            membranes a :class:`SurfaceStrain`: ``membrane`` and ``bending`` (n, faces, 3), and the ``regime``
+            (n, faces) of films. Of beams a :class:`BeamStrain`, which also has ``shear``.
         """
         surface = self._name(body)
         if surface in self._lowered.surfaces:
@@ -327,7 +327,12 @@ class Forces(Lookup):
                 self._records.q,
                 self._records.outputs,
             )
-        return Strain(axial, curvature)
+        columns = self._past_columns(name)
+        plastic = np.zeros_like(axial)
+        if columns.size:
+            middle = columns[:, columns.shape[1] // 2, 0]
+            plastic = by_blocks(lambda rows: rows[:, middle], self._records.outputs)
+        return Strain(axial, curvature, plastic)
 
     def _beam_strain(self, name: str) -> FloatArray:
         """Numbers of a beam at mid-element, (n, elements, 7)."""

@@ -63,6 +63,19 @@ class Lookup:
                 self._built = _core.System(self._lowered.spec, self._lowered.arrays)
         return self._built
 
+    def _past_columns(self, name: str) -> IntArray:
+        """Columns of the outputs that hold what a cable remembers of having yielded, if it can.
+
+        Of shape (elements, points, 2): plastic strain and its path.
+        """
+        number = self._lowered.cables[name]
+        first, width = self._system.past_outputs()[number]
+        body = self.model._bodies[name]
+        assert isinstance(body, LineBody)
+        count = body.elements * int(width)
+        columns: IntArray = first + np.arange(count).reshape(body.elements, -1, 2)
+        return columns
+
     def _poses(self, joint: int) -> Iterator[tuple[Any, FloatArray | None]]:
         """Rows of the result, and how the joint had engaged there (None: as at the start)."""
         history, switches = self._records.history, self._records.switches

@@ -81,19 +81,21 @@ def lower(
     model: Model,
     state: Mapping[str, BodyState] | None = None,
     gas: Mapping[str, float] | None = None,
+    past: Mapping[str, FloatArray] | None = None,
 ) -> Lowered:
     """Lower a model.
 
     ``state`` is the state that the run begins with, where it is not the model's own, ``gas`` the masses in
-    its chambers.
+    its chambers, ``past`` what the points of cables that yield remember.
     """
     lowering = _Lowering(model, state)
-    lowering.gas = gas or {}
+    lowering.gas, lowering.past = gas or {}, past or {}
     return lowering.run()
 
 
 class _Lowering(Sharing):
     gas: Mapping[str, float]
+    past: Mapping[str, FloatArray]
 
     def run(self) -> Lowered:
         out = self.lowered
@@ -210,6 +212,14 @@ class _Lowering(Sharing):
                 "t": self._array(body.reference_t),
                 "normal": body.normal.tolist(),
             }
+        plastic = None
+        if body.yield_strain is not None:
+            plastic = {
+                "yield_strain": body.yield_strain,
+                "isotropic": body.isotropic_hardening,
+                "kinematic": body.kinematic_hardening,
+                "past": self._array(self.past.get(body.name, np.empty(0))),
+            }
         return {
             "name": body.name,
             "strands": self._array(body.strands),
@@ -227,6 +237,7 @@ class _Lowering(Sharing):
             "reference": reference,
             "rest_length": None if body.rest_length is None else self._signal(body.rest_length, body.name),
             "tension_only": body.tension_only,
+            "plastic": plastic,
             "retardation_time": body.retardation_time,
             "radius": self._array(body.radius),
             "shared": self._array(np.array(self.rows[body.name], dtype=np.float64).reshape(-1, 2)),

@@ -168,8 +168,13 @@ class Motion(Lookup):
         at = float(self.time[i])
         first = self._system.chamber_outputs() if lowered.chambers else np.zeros(0, dtype=np.int64)
         gas = {name: float(records.outputs[i][first[k] + 2]) for name, k in lowered.chambers.items()}
+        past = {
+            name: records.outputs[i][columns.ravel()]
+            for name, columns in ((name, self._past_columns(name)) for name in lowered.cables)
+            if columns.size
+        }
         rows_of = (records.q[i], records.lambda_[i])
-        return State(self.model, bodies, self.is_static, at, *rows_of, grows=grows, gas=gas)
+        return State(self.model, bodies, self.is_static, at, *rows_of, grows=grows, gas=gas, past=past)
 
     @property
     def energy(self) -> Energy:

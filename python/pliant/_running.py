@@ -85,9 +85,25 @@ def build(model: Model, state: State | None) -> tuple[Lowered, System]:
             bodies = {
                 name: b._replace(v_r=fresh[name].v_r, v_t=fresh[name].v_t) for name, b in bodies.items()
             }
-    lowered = lower(model, bodies, None if state is None else state.gas)
+    lowered = lower(model, bodies, *((None, None) if state is None else (state.gas, _past(model, state))))
     with translated():
         return lowered, _core.System(lowered.spec, lowered.arrays)
+
+
+def _past(model: Model, state: State) -> dict[str, FloatArray]:
+    """Give what cables remember of having yielded, where this model's cables can."""
+    kept = {}
+    for name, past in state.past.items():
+        body = model._bodies[name]
+        assert isinstance(body, LineBody)
+        if body.yield_strain is not None and past.size == 2 * body.axial_points * body.elements:
+            kept[name] = past
+        elif past.any():
+            raise ModelError(
+                f"start: '{name}' has yielded there: here, too, its material must be a BilinearPlastic, with "
+                "the same integration"
+            )
+    return kept
 
 
 def _initial(model: Model) -> Any:

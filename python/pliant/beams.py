@@ -13,7 +13,7 @@ from pliant import _check
 from pliant.centreline import CentreLine
 from pliant.curves import Curve, Line, polyline, smooth
 from pliant.errors import ModelError
-from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff
+from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff, require_law
 from pliant.points import Handle, Point
 from pliant.sections import CrossSection
 from pliant.typing import ArrayLike, FloatArray, IntArray
@@ -257,8 +257,7 @@ def make_beam(
     angular_velocity: Any,
 ) -> BeamBody:
     """Check the arguments of ``add_beam``."""
-    if not isinstance(material, (LinearElastic, SaintVenantKirchhoff)):
-        _check.fail("material", material, "a beam takes pliant.LinearElastic or pliant.SaintVenantKirchhoff")
+    require_law(material, "a beam", (LinearElastic, SaintVenantKirchhoff))
     locking = _check.choice(locking, "locking", LOCKING)
     line = _line_of(points, _check.count(elements, "elements"))
     reference = np.concatenate([line.r[:, None], _frames(line, up, name)], axis=1)

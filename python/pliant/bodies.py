@@ -13,7 +13,7 @@ from pliant.beams import BeamBody
 from pliant.centreline import CentreLine, hermite
 from pliant.curves import Curve, Line, element_nodes, first_nodes, polyline, smooth
 from pliant.errors import ModelError
-from pliant.materials import LinearElastic, Material, SaintVenantKirchhoff
+from pliant.materials import BilinearPlastic, LinearElastic, Material, SaintVenantKirchhoff, require_law
 from pliant.points import Point, WorldPoint
 from pliant.rigid import RigidBodyData
 from pliant.sections import require_isotropic
@@ -54,6 +54,10 @@ class LineBody(CentreLine):
         The stress-free line where it is curved in the plane of ``normal``.
     rest_length : Signal or None
         Stress-free length over time [m], where a winch changes it; it begins with the sum of ``lengths``.
+    yield_strain : float or None
+        Strain at which the new line yields; None: never.
+    isotropic_hardening, kinematic_hardening : float
+        Growth and shift of the elastic range by plastic strain, over Young's modulus.
     """
 
     name: str
@@ -81,6 +85,9 @@ class LineBody(CentreLine):
     reference_r: FloatArray | None = None
     reference_t: FloatArray | None = None
     rest_length: Signal | None = None
+    yield_strain: float | None = None
+    isotropic_hardening: float = 0.0
+    kinematic_hardening: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("strands", "users"):
@@ -119,9 +126,18 @@ class LineBody(CentreLine):
         for name, words in CHOICES.items():
             _check.choice(getattr(self, name), name, words)
         _check.number(self.retardation_time, "retardation_time", at_least=0)
+        if self.yield_strain is not None:
+            _check.number(self.yield_strain, "yield_strain", above=0)
+        for name in ("isotropic_hardening", "kinematic_hardening"):
+            _check.number(getattr(self, name), name, at_least=0)
         length = self.rest_length
         if length is not None and (not isinstance(length, Signal) or length.size != 1):
             _check.fail("rest_length", length, "must be a signal of one component")
+
+    @property
+    def axial_points(self) -> int:
+        """Points of an element at which the axial law is evaluated; one of them lies in the middle."""
+        return len(LOBATTO_3 if self.integration == "lobatto" else GAUSS_5)
 
     @cached_property
     def elements(self) -> int:
@@ -197,12 +213,17 @@ def element_masses(body: LineBody) -> FloatArray:
 
 
 def stretch_of_force(
-    force: FloatArray, stiffness: FloatArray, strain: str, tension_only: bool = False
+    force: FloatArray,
+    stiffness: FloatArray,
+    strain: str,
+    tension_only: bool = False,
+    yielding: tuple[float, float] = (np.inf, 1.0),
 ) -> FloatArray:
     """Stretch at which the axial force EA n(eps) deps/dlambda has the given value, by Newton's method.
 
-    eps is (lambda^2 - 1) / 2 (Green-Lagrange) or lambda - 1 (Biot); n(eps) is eps, or the smooth passage
-    to slack.
+    eps is (lambda^2 - 1) / 2 (Green-Lagrange) or lambda - 1 (Biot); n(eps) is the elastic strain, or the
+    smooth passage to slack. ``yielding``: strain at which the line yields, and the part of further strain
+    that is elastic.
 
     Examples
     --------
@@ -216,16 +237,46 @@ def stretch_of_force(
             eps, rate, bend = (stretch**2 - 1) / 2, stretch, 1.0
         else:
             eps, rate, bend = stretch - 1, np.ones_like(stretch), 0.0
-        value, slope = eps, np.ones_like(eps)
+        start, part = yielding
+        share = np.where(eps > start, part, 1.0)
+        eps = eps - (1.0 - part) * np.maximum(eps - start, 0.0)
+        value, slope = eps, share
         if tension_only:
             root = np.sqrt(eps**2 + SLACK_WIDTH**2)
             value = (1 - SLACK_STIFFNESS) / 2 * (eps + root - SLACK_WIDTH) + SLACK_STIFFNESS * eps
-            slope = (1 - SLACK_STIFFNESS) / 2 * (1 + eps / root) + SLACK_STIFFNESS
+            slope = share * ((1 - SLACK_STIFFNESS) / 2 * (1 + eps / root) + SLACK_STIFFNESS)
         change = (value * rate - load) / (slope * rate**2 + value * bend)
         stretch = stretch - change
         if np.abs(change).max(initial=0.0) <= np.finfo(float).eps:
             break
     return stretch
+
+
+def _yielding(material: Material) -> tuple[float, float]:
+    """Strain at which a material yields, and the part of further strain that is elastic."""
+    if not isinstance(material, BilinearPlastic):
+        return np.inf, 1.0
+    return material.yield_strain, material.tangent_modulus / material.youngs_modulus
+
+
+def _hardening(material: Material) -> dict[str, float]:
+    """Give what a line body keeps of a material that yields."""
+    if not isinstance(material, BilinearPlastic):
+        return {}
+    return {
+        "yield_strain": material.yield_strain,
+        f"{material.hardening}_hardening": material.hardening_modulus / material.youngs_modulus,
+    }
+
+
+def _require_carried(
+    pretension: FloatArray, stiffness: FloatArray, name: str, yielding: tuple[float, float]
+) -> None:
+    """Refuse a tension that a line without hardening never reaches."""
+    start, part = yielding
+    most = np.min(stiffness) * start
+    if part == 0.0 and np.max(pretension, initial=0.0) >= most:
+        _check.fail(name, pretension.tolist(), f"must be below {most:.6g} N, where the cable yields for good")
 
 
 def _stiffness(
@@ -289,8 +340,8 @@ def make_line_body(
         _check.choice(value, name, CHOICES[name])
         for name, value in (("strain", strain), ("integration", integration), ("bending", bending))
     )
-    if not isinstance(material, (LinearElastic, SaintVenantKirchhoff)):
-        _check.fail("material", material, "a cable takes pliant.LinearElastic or pliant.SaintVenantKirchhoff")
+    require_law(material, "a cable", (LinearElastic, SaintVenantKirchhoff, BilinearPlastic))
+    yielding = _yielding(material)
     axial, bend, mass, radius, label = _stiffness(section, material, line, integration)
     stretch = np.ones(len(line.lengths))
     if stretch_lengths is not None:
@@ -298,11 +349,13 @@ def make_line_body(
         stretch = np.repeat(strand / stretch_lengths, line.strands)
     elif pretension is not None:
         middle = axial if axial.ndim == 1 else axial[:, axial.shape[1] // 2]
+        _require_carried(pretension, middle, pretension_name, yielding)
         stretch = stretch_of_force(
             np.repeat(pretension, line.strands),
             np.broadcast_to(middle, stretch.shape),
             strain,
             _check.flag(tension_only, "tension_only"),
+            yielding,
         )
     uniform = bool(np.all(np.abs(stretch - stretch[0]) < 1e-14))
     if line.normal is not None and not uniform:
@@ -344,6 +397,7 @@ def make_line_body(
         reference_r=None if line.normal is None else line.r / stretch[0],
         reference_t=None if line.normal is None else line.t,
         rest_length=rest_length,
+        **_hardening(material),
     )
     body = _with_initial(body, initial)
     return _with_velocity(body, velocity, angular_velocity)

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from pliant import _check
 
-__all__ = ["LinearElastic", "Material", "NeoHookean", "SaintVenantKirchhoff", "youngs_modulus_from_shore_a"]
+__all__ = [
+    "BilinearPlastic",
+    "LinearElastic",
+    "Material",
+    "NeoHookean",
+    "SaintVenantKirchhoff",
+    "require_law",
+    "youngs_modulus_from_shore_a",
+]
+
+HARDENINGS = ("isotropic", "kinematic")
 
 
 @dataclass(frozen=True)
@@ -95,6 +106,98 @@ class NeoHookean(Material):
 
     def _checked_poisson_ratio(self) -> float:
         return _check.number(self.poisson_ratio, "poisson_ratio", above=-1, at_most=0.5)
+
+
+@dataclass(frozen=True)
+class BilinearPlastic(Material):
+    """Metal that yields: elastic up to a yield stress, then softer; for cables and nets of cables.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        Young's modulus [Pa], above 0.
+    poisson_ratio : float
+        Poisson's ratio, above -1 and below 0.5.
+    density : float
+        Mass per volume [kg/m^3], above 0.
+    yield_stress : float
+        Stress at which the new material yields [Pa], above 0.
+    tangent_modulus : float
+        Stress per strain beyond [Pa], from 0, which is ideally plastic, and below Young's modulus.
+    hardening : {"isotropic", "kinematic"}
+        What the hardened material does when the load turns. ``"isotropic"``: the elastic range has grown to
+        both sides. ``"kinematic"``: it has the size it had and has moved, so that the material yields early
+        the other way (the Bauschinger effect).
+    retardation_time : float
+        Kelvin-Voigt damping beside all that yields [s]; keyword only.
+
+    Notes
+    -----
+    Only stretching yields; bending stays elastic, which is right for cables, whose bending carries next to no
+    load. Stress is the one that goes with the strain measure of the cable: by original area for
+    ``strain="biot"``, the second Piola-Kirchhoff stress, smaller by the stretch, for ``"green_lagrange"``.
+
+    Examples
+    --------
+    >>> steel = BilinearPlastic(
+    ...     youngs_modulus=2e11, poisson_ratio=0.3, density=7850.0, yield_stress=2.5e8, tangent_modulus=2e10
+    ... )
+    >>> steel.yield_strain
+    0.00125
+    >>> round(steel.hardening_modulus / 1e9, 3)
+    22.222
+    """
+
+    yield_stress: float
+    tangent_modulus: float
+    hardening: str = "isotropic"
+    retardation_time: float = field(default=0.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        modulus = _check.number(self.tangent_modulus, "tangent_modulus", at_least=0)
+        if modulus >= self.youngs_modulus:
+            _check.fail(
+                "tangent_modulus",
+                self.tangent_modulus,
+                f"must be below youngs_modulus, {self.youngs_modulus:g}",
+            )
+        for name, value in (
+            ("yield_stress", _check.number(self.yield_stress, "yield_stress", above=0)),
+            ("tangent_modulus", modulus),
+            ("hardening", _check.choice(self.hardening, "hardening", HARDENINGS)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def yield_strain(self) -> float:
+        """Strain at which the new material yields."""
+        return self.yield_stress / self.youngs_modulus
+
+    @property
+    def hardening_modulus(self) -> float:
+        """Growth of the yield stress by plastic strain [Pa], E Et / (E - Et)."""
+        return self.youngs_modulus * self.tangent_modulus / (self.youngs_modulus - self.tangent_modulus)
+
+
+BODIES: dict[type[Material], str] = {
+    LinearElastic: "every flexible body",
+    SaintVenantKirchhoff: "every flexible body",
+    NeoHookean: "shells and membranes",
+    BilinearPlastic: "cables and nets of cables",
+}
+
+
+def require_law(material: Any, body: str, laws: tuple[type[Material], ...]) -> None:
+    """Refuse a material that a kind of body cannot carry, and tell which bodies can."""
+    if isinstance(material, laws):
+        return
+    names = [f"pliant.{law.__name__}" for law in laws]
+    reason = f"{body} takes {', '.join(names[:-1])} or {names[-1]}"
+    for law, where in BODIES.items():
+        if isinstance(material, law):
+            reason += f"; pliant.{law.__name__} is for {where}"
+    _check.fail("material", material, reason)
 
 
 def youngs_modulus_from_shore_a(hardness: float) -> float:

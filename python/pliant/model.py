@@ -98,8 +98,8 @@ class Model(Beams, Folds, Pneumatics, Touching):
         section
             One section, a list of one for each element, or a callable of arc length [m]. Alike in bending
             about every axis.
-        material : LinearElastic or SaintVenantKirchhoff
-            The material.
+        material : LinearElastic, SaintVenantKirchhoff or BilinearPlastic
+            The material; the first two are one law here.
         rest : {"given", "straight"}
             ``"given"``: stress-free as given, straight or curved in a plane and then confined to it.
             ``"straight"``: free of axial strain as given, straight when unloaded; any line in space.
@@ -110,6 +110,7 @@ class Model(Beams, Folds, Pneumatics, Touching):
             winch enters the balance of energy. In statics it is evaluated at the load factor, not scaled.
         pretension : float, optional
             Axial force [N] at the start, 0 or more; instead of ``rest_length``. The mass stays likewise.
+            Where the material yields, a line pulled so far has done so before the run begins.
         closed : bool
             A ring: the last piece goes back to the first point.
         tension_only : bool

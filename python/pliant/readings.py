@@ -126,10 +126,21 @@ class ChamberGas:
 
 @dataclass(frozen=True)
 class Strain:
-    """Axial strain (n, elements) and curvature vector [1/m] (n, elements, 3) at mid-element."""
+    """Strains of cables at mid-element.
+
+    Attributes
+    ----------
+    axial : (n, elements)
+        Axial strain, in the measure of the cable.
+    curvature : (n, elements, 3)
+        Curvature vector [1/m].
+    plastic : (n, elements)
+        Part of the axial strain that stays when the cable is unloaded; 0 where the material does not yield.
+    """
 
     axial: FloatArray
     curvature: FloatArray
+    plastic: FloatArray
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,8 @@ class State:
     """State of the bodies at one time: a start for another run.
 
     ``saved`` is what a stepper goes back by, ``grows`` what the load factor of a static state acted on,
-    ``gas`` the mass in each chamber [kg].
+    ``gas`` the mass in each chamber [kg], ``past`` what the points of each cable that yields remember:
+    plastic strain and its path, element by element and point by point, (elements * points * 2,).
     """
 
     model: Model
@@ -131,12 +132,13 @@ class State:
     saved: bytes | None = None
     grows: tuple[str, ...] | None = None
     gas: Mapping[str, float] = field(default_factory=dict)
+    past: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Callables of the model cannot be pickled, and a state needs only the bodies.
         document = self.model.to_document(keep_functions=False)
-        rest = (self.static, self.time, self.q, self.lambda_, self.saved, self.grows, dict(self.gas))
-        return _restored_state, (document, dict(self.bodies), *rest)
+        rest = (self.static, self.time, self.q, self.lambda_, self.saved, self.grows)
+        return _restored_state, (document, dict(self.bodies), *rest, dict(self.gas), dict(self.past))
 
 
 def _restored_state(document: Any, *rest: Any) -> State:

@@ -13,7 +13,7 @@ import numpy as np
 from pliant import _check
 from pliant._curved import is_parallelogram, own_parameters
 from pliant.errors import ModelError
-from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff
+from pliant.materials import LinearElastic, NeoHookean, SaintVenantKirchhoff, require_law
 from pliant.mesh import PARALLEL, Mesh, as_mesh
 from pliant.points import Handle, Point
 from pliant.typing import ArrayLike, FloatArray, IntArray
@@ -598,12 +598,7 @@ def make_surface(
 ) -> SurfaceBody:
     """Check the arguments of ``add_shell`` and ``add_membrane``."""
     mesh = as_mesh(mesh)
-    if not isinstance(material, (LinearElastic, SaintVenantKirchhoff, NeoHookean)):
-        _check.fail(
-            "material",
-            material,
-            "a surface takes pliant.LinearElastic, pliant.SaintVenantKirchhoff or pliant.NeoHookean",
-        )
+    require_law(material, "a surface", (LinearElastic, SaintVenantKirchhoff, NeoHookean))
     law, residual = "saint_venant_kirchhoff", 0.0
     if isinstance(material, NeoHookean):
         law = "neo_hookean"

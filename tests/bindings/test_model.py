@@ -193,8 +193,42 @@ def test_signals_combine() -> None:
 
 
 def test_what_is_not_there_is_absent() -> None:
-    for name in ("BilinearPlastic", "sweep"):
-        assert not hasattr(pl, name)
+    assert not hasattr(pl, "sweep")
+
+
+def test_plastic_material_is_its_arguments() -> None:
+    steel = pl.BilinearPlastic(2e11, 0.3, 7850.0, 2.5e8, 2e10)
+    assert (steel.hardening, steel.retardation_time) == ("isotropic", 0.0)
+    assert steel.yield_strain == 1.25e-3
+    assert steel.hardening_modulus == pytest.approx(2e11 / 9, rel=1e-15)
+    model = pl.Model()
+    line = [(0, 0, 0), (1, 0, 0)]
+    kinds = {"elements": 2, "section": SECTION}
+    model.add_cable(line, material=steel, **kinds)
+    moved = pl.BilinearPlastic(2e11, 0.3, 7850.0, 2.5e8, 2e10, "kinematic", retardation_time=1e-3)
+    model.add_cable_net([*line, (1, 1, 0)], [(0, 1), (1, 2)], material=moved, **kinds)
+    cable, net = model._bodies.values()
+    assert (cable.isotropic_hardening, cable.kinematic_hardening) == (pytest.approx(1 / 9), 0.0)
+    assert (net.isotropic_hardening, net.kinematic_hardening) == (0.0, pytest.approx(1 / 9))
+    assert (cable.yield_strain, net.retardation_time) == (1.25e-3, 1e-3)
+    again = pl.Model.from_document(model.to_document())
+    assert lower(again).document == lower(model).document
+
+
+def test_bodies_tell_which_of_them_can_yield() -> None:
+    steel = pl.BilinearPlastic(2e11, 0.3, 7850.0, 2.5e8, 2e10)
+    model, mesh = pl.Model(), pl.Mesh.rectangle(1, 1, divisions=(1, 1))
+    line = [(0, 0, 0), (1, 0, 0)]
+    told = "BilinearPlastic is for cables and nets of cables"
+    with pytest.raises(pl.ModelError, match=rf"material = .*a beam takes .*{told}"):
+        model.add_beam(line, elements=2, section=SECTION, material=steel)
+    with pytest.raises(pl.ModelError, match=rf"material = .*a surface takes .*{told}"):
+        model.add_shell(mesh, thickness=1e-3, material=steel)
+    with pytest.raises(pl.ModelError, match=rf"material = .*a surface takes .*{told}"):
+        model.add_membrane(mesh, thickness=1e-3, material=steel)
+    gum = pl.NeoHookean(1e6, 0.5, 1000.0)
+    with pytest.raises(pl.ModelError, match=r"a cable takes .*NeoHookean is for shells and membranes"):
+        model.add_cable(line, elements=2, section=SECTION, material=gum)
 
 
 def test_import_is_light() -> None:

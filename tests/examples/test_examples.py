@@ -36,6 +36,7 @@ SMALL = {
     "catenary_bridge": {"panels": 8, "duration": 30.0, "step": 0.04},
     "coiling_tape": {"widths": (1, 6), "along": 20, "across": 4, "duration": 0.3, "step": 4e-3},
     "coil_spring": {"elements": 80, "duration": 0.04, "step": 4e-3},
+    "fall_arrester": {"elements": 2, "duration": 0.07, "step": 4e-4, "load_steps": 4},
     "falling_rope": {"elements": 12, "step": 2e-3},
     "flag": {"elements": 4, "duration": 0.2, "steps": (4e-3, 2e-3)},
     "folded_chain": {"elements": 60, "step": 5e-4, "duration": 0.51},
@@ -202,6 +203,20 @@ def test_the_energy_audit_after_the_catch_closes_with_order_2(examples, record):
     # The jump relaxes in a few of the small steps: the order is reached from below.
     assert record("example catch, order of the energy audit", caught.order, 2.0, 0.25)
     assert caught.gaps[-1] < 1e-3
+
+
+def test_a_line_that_yields_holds_the_weight(examples, record):
+    _, study = examples["fall_arrester"]
+    # Waves in the line, which weighs 2.5 kg, are a few per cent of the force.
+    for name, caught in (("elastic line", study.elastic), ("line that yields", study.yielding)):
+        what = f"example arrester, {name}: largest force on the weight"
+        assert record(what, caught.peak, caught.expected, 0.04 * caught.expected, "N")
+        assert caught.gaps[1] < 2e-4
+    # The damping takes its part.
+    drawn, expected = study.yielding.drawn, study.yielding.expected_drawn
+    assert record("example arrester, length that stays", drawn, expected, 0.03 * expected, "m")
+    # Strains are driven to 1e-12 of the length.
+    assert record("example arrester, loops of the piece", study.largest_gap, 0.0, 1e-6)
 
 
 def test_the_energy_of_the_flag_drifts_with_order_2(examples, record):

@@ -98,6 +98,11 @@ def elastic(**changes: Any) -> Any:
     return pl.LinearElastic(**{"youngs_modulus": 1e7, "poisson_ratio": 0.3, "density": 1e3, **changes})
 
 
+def plastic(**changes: Any) -> Any:
+    given = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7850.0}
+    return pl.BilinearPlastic(**{**given, "yield_stress": 2.5e8, "tangent_modulus": 2e10, **changes})
+
+
 def tough() -> Any:
     return elastic(retardation_time=0.1)
 
@@ -260,6 +265,20 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ),
     ("material", "'wood'", lambda s: beam(s, material="wood")),
     ("material", "NeoHookean", lambda s: beam(s, material=pl.NeoHookean(1e6, 0.5, 1e3))),
+    ("material", "for cables and nets", lambda s: beam(s, material=plastic())),
+    ("material", "for cables and nets", lambda s: shell(s, material=plastic())),
+    ("material", "for shells and membranes", lambda s: cable(s, material=gum())),
+    ("youngs_modulus", "0", lambda s: plastic(youngs_modulus=0)),
+    ("poisson_ratio", "0.5", lambda s: plastic(poisson_ratio=0.5)),
+    ("yield_stress", "0", lambda s: plastic(yield_stress=0)),
+    ("yield_stress", "nan", lambda s: plastic(yield_stress=NAN)),
+    ("yield_stress", "inf", lambda s: plastic(yield_stress=INF)),
+    ("tangent_modulus", "-1", lambda s: plastic(tangent_modulus=-1)),
+    ("tangent_modulus", "below youngs_modulus", lambda s: plastic(tangent_modulus=2e11)),
+    ("tangent_modulus", "'soft'", lambda s: plastic(tangent_modulus="soft")),
+    ("hardening", "'mixed'", lambda s: plastic(hardening="mixed")),
+    ("retardation_time", "-1", lambda s: plastic(retardation_time=-1)),
+    ("pretension", "19635 N", lambda s: cable(s, material=plastic(tangent_modulus=0), pretension=2e4)),
     ("up", "(0, 0)", lambda s: beam(s, up=(0, 0))),
     ("up", "(0, 0, 0)", lambda s: beam(s, up=(0, 0, 0))),
     ("up", "callable", lambda s: beam(s, up=lambda x: (1, 0, 0))),

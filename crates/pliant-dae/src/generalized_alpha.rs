@@ -127,7 +127,8 @@ impl<P: Problem> Integrator<P> {
             let mut size = self.update(h);
             self.statistics.newton_iterations += 1;
             self.state.factor.age.iterations += 1;
-            let part = if kinks { self.shorten(h, watch)? } else { 1.0 };
+            // What is rounding goes to and fro, however short.
+            let part = if kinks && size > floor { self.shorten(h, watch)? } else { 1.0 };
             size *= part;
             let mut verdict = self.work.monitor.judge(size, phi, floor, &newton);
             if part < 1.0 && verdict != Verdict::Failed {

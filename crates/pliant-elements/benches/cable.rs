@@ -11,7 +11,7 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pliant_elements::{
     Bending, Block, Cable, CableBlock, CableElement, CableLaw, Integration, Motion, NodeOffsets,
-    Section, Sections, Slack, Strain, Weights, Workspace, testing,
+    Section, Sections, Slack, Strain, Weights, Workspace, Yielding, testing,
 };
 
 const SECTION: Section =
@@ -45,6 +45,7 @@ fn block(law: CableLaw, n: usize) -> (CableBlock, Vec<f64>) {
         }],
         normal: [0.0, 0.0, 1.0],
         slack: Slack::default(),
+        yielding: Yielding { strain: 1e-2, isotropic: 0.1, kinematic: 0.0 },
     };
     let q = (0..=n)
         .flat_map(|k| {

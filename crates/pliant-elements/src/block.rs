@@ -8,6 +8,7 @@ mod build;
 mod lanes;
 mod lengths;
 mod output;
+mod plastic;
 mod scalar;
 
 use std::ops::Range;
@@ -15,11 +16,15 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::element::{Block, Momentum, Motion, Slot, Weights, Workspace};
-use crate::elements::cable::{CableLaw, FixedLaw, LawSource, NodeOffsets, WoundLaw, place};
+use crate::elements::cable::{
+    CableLaw, FixedLaw, LawSource, NodeOffsets, PlasticLaw, WoundLaw, place,
+};
 
 pub(crate) use lanes::ResidualRows;
 use lanes::Sums;
 use lengths::Lengths;
+pub use plastic::PAST;
+use plastic::PastRows;
 pub use scalar::Parameter;
 
 /// Lanes per group of elements.
@@ -55,6 +60,8 @@ pub struct CableBlock {
     gram: Vec<Gram>,
     /// Factors of the lengths; empty without winches.
     lengths: Lengths,
+    /// What the axial points remember; empty where nothing yields.
+    past: PastRows,
     extent: usize,
 }
 
@@ -196,6 +203,7 @@ macro_rules! with_law {
             1 => $self.$method(FixedLaw::<1>, $($argument),*),
             4 => $self.$method(FixedLaw::<4>, $($argument),*),
             32 => $self.$method(FixedLaw::<32>, $($argument),*),
+            _ if $self.law.plastic => $self.$method(PlasticLaw($self.law), $($argument),*),
             _ if $self.law.wound => $self.$method(WoundLaw($self.law), $($argument),*),
             _ => $self.$method($self.law, $($argument),*),
         }

@@ -14,11 +14,11 @@ mod surface;
 pub mod testing;
 
 pub use beam::{BeamBlock, BeamElement, BeamLaw, BeamStrain, Locking};
-pub use block::{CableBlock, Parameter};
+pub use block::{CableBlock, PAST, Parameter};
 pub use element::{Block, Momentum, Motion, Slot, Weights, Workspace};
 pub use elements::cable::{
     Bending, Cable, CableElement, CableLaw, Integration, NodeOffsets, Reference, Section, Sections,
-    Slack, Strain,
+    Slack, Strain, Yielding,
 };
 pub use elements::surface::{Chart, Integrals, Jet, Quadrature, SURFACE_KINDS, SurfaceKind};
 pub use error::ElementError;

@@ -18,6 +18,18 @@ pub fn energy_dual(block: &CableBlock, e: usize, q: &[Dual; 12]) -> Dual {
     block.local_energy(e, q)
 }
 
+/// Work on plastic flow since the state that element `e` remembers.
+#[must_use]
+pub fn plastic_work(block: &CableBlock, e: usize, q: &[f64; 12]) -> f64 {
+    block.local_plastic_work(e, q)
+}
+
+/// The same with its derivative along the dual parts.
+#[must_use]
+pub fn plastic_work_dual(block: &CableBlock, e: usize, q: &[Dual; 12]) -> Dual {
+    block.local_plastic_work(e, q)
+}
+
 /// Internal force of element `e` at local coordinates and velocities.
 #[must_use]
 pub fn force(block: &CableBlock, e: usize, q: &[f64; 12], v: &[f64; 12]) -> [f64; 12] {

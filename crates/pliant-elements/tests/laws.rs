@@ -32,12 +32,13 @@ fn only(which: &str) -> Weights {
 #[test]
 fn every_law_is_here() {
     assert!(KINDS.iter().any(|kind| kind.name == "cable"));
-    assert_eq!(laws().count(), 128);
+    assert_eq!(laws().count(), CableLaw::COUNT);
     for law in laws() {
         assert_eq!(CableLaw::from_code(law.code()), law);
     }
 }
 
+/// With the work spent on plastic flow since the last step, which a law without plasticity has none of.
 #[test]
 fn force_is_the_gradient_of_the_energy() {
     for law in laws() {
@@ -45,11 +46,25 @@ fn force_is_the_gradient_of_the_energy() {
         let q = perturbed(&block, 0.1, 1);
         let local = block.local(ELEMENT, &q);
         let force = vec![testing::force(&block, ELEMENT, &local, &[0.0; 12]).to_vec()];
-        let dual =
-            dual_jacobian(&local, |q| vec![testing::energy_dual(&block, ELEMENT, &array(q))]);
-        assert!(relative_error(&dual, &force) < 1e-12, "{law:?}");
-        let difference =
-            central_difference(&local, 1e-6, |q| vec![testing::energy(&block, ELEMENT, &array(q))]);
+        let potential = |q: &[Dual]| {
+            let mut potential = testing::energy_dual(&block, ELEMENT, &array(q));
+            if law.plastic {
+                potential = potential + testing::plastic_work_dual(&block, ELEMENT, &array(q));
+            }
+            vec![potential]
+        };
+        let dual = dual_jacobian(&local, potential);
+        // The work of a flow through the passage to slack, wide in the example, is left to five Gauss points.
+        let tolerance = if law.plastic && law.tension_only { 1e-7 } else { 1e-12 };
+        let error = relative_error(&dual, &force);
+        assert!(error < tolerance, "{law:?}: {error}");
+        let difference = central_difference(&local, 1e-6, |q| {
+            let mut potential = testing::energy(&block, ELEMENT, &array(q));
+            if law.plastic {
+                potential += testing::plastic_work(&block, ELEMENT, &array(q));
+            }
+            vec![potential]
+        });
         assert!(relative_error(&difference, &force) < 1e-7, "{law:?}");
     }
 }
@@ -407,6 +422,10 @@ fn winch_does_work_by_the_derivative_of_the_energy_by_the_length() {
     for law in laws().filter(|law| law.wound) {
         let mut block = hauled(law);
         let q = perturbed(&block, 0.1, 18);
+        if law.plastic {
+            // Plastic strains stay while the length changes.
+            common::harden(&mut block, &q);
+        }
         let v = Random(19).vector(q.len());
         let motion = Motion { q: &q, v: &v, a: &v };
         let [elastic, _] = block.length_forces(0, motion);

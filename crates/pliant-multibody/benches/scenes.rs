@@ -8,9 +8,9 @@ mod support;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pliant_dae::generalized_alpha::Options;
+use pliant_multibody::altered::Altered;
 use pliant_multibody::model::Model;
 use pliant_multibody::run::{Leg, Run, RunOptions, Start};
-use pliant_multibody::winch::Wound;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,7 @@ fn pendulum(criterion: &mut Criterion) {
         let steps = (ELEMENT_STEPS / elements as u64).clamp(100, 1000);
         let energy = |run: &Run| {
             let state = run.state();
-            model.energy(&Wound::new(&model), &state.q, &state.v).iter().sum::<f64>()
+            model.energy(&Altered::new(&model), &state.q, &state.v).iter().sum::<f64>()
         };
         let mut run = start(&model, true);
         let before = energy(&run);

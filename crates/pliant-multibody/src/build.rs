@@ -6,6 +6,7 @@ mod chambers;
 mod joints;
 mod surfaces;
 
+use crate::altered::Altered;
 use crate::contact_coupling::Contacts;
 use crate::document::{Arrays, row};
 use crate::dof_map::{CableMap, DofMap};
@@ -31,7 +32,7 @@ use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{Array, CableSpec, ForceSpec, JointSpec, LoadSpec, ModelSpec, VERSION};
 use crate::vector::vector;
-use crate::winch::{Winch, Wound};
+use crate::winch::Winch;
 use beams::beam_blocks;
 use cables::{axial_energy, blocks, cable_mass};
 use nalgebra::{Matrix3, Vector3};
@@ -120,6 +121,8 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     for ((cable, cable_map), strands) in spec.cables.iter().zip(&map.cables).zip(&strands) {
         winches.extend(Winch::of_cable(cable, &cable_map.lengths, strands)?);
     }
+    let plastic = cables::plastic(spec, &map, &strands, &cables);
+    let initial_past = cables::initial_past(spec, arrays, &plastic)?;
     let has_transit = forces.iter().any(|f| f.force.has_transit());
     let damped = |cable: &CableSpec| cable.rest_length.is_some() && cable.retardation_time != 0.0;
     let uses_rates = has_transit || spec.cables.iter().any(damped);
@@ -141,6 +144,8 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
         length,
         loads,
         winches,
+        plastic,
+        initial_past,
         uses_rates,
         has_transit,
         forces,
@@ -160,7 +165,7 @@ pub(crate) fn build(spec: &ModelSpec, arrays: &[Vec<f64>]) -> Result<Model, Mode
     };
     let mass = model.masses(&model.initial_q).0;
     let [kinetic, elastic, _] =
-        model.energy_of_bodies(&Wound::new(&model), &model.initial_q, &model.initial_v);
+        model.energy_of_bodies(&Altered::new(&model), &model.initial_q, &model.initial_v);
     contacts.energy_floor = 1e-3 * mass * weight * contacts.radius + 1e-6 * (kinetic + elastic);
     model.contacts = contacts;
     Ok(model)

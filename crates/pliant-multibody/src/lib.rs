@@ -1,5 +1,6 @@
 //! Models of soft machines: from a document to a system of equations, runs, and what is read from them.
 
+pub mod altered;
 pub mod beam_map;
 mod build;
 mod chambers;

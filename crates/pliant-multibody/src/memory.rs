@@ -68,6 +68,9 @@ pub struct Memory {
     /// What contact remembers, and what it did when the tangent was last asked for.
     pub(crate) contact: ContactMemory,
     contact_at_tangent: ContactMemory,
+    /// What the points of cables that yield remember, and what they did when the tangent was last asked for.
+    pub(crate) past: Vec<f64>,
+    past_at_tangent: Vec<f64>,
 }
 
 impl Memory {
@@ -90,6 +93,7 @@ impl Memory {
             ("integrals", model.integrals.len(), self.last.integrals.len()),
             ("rates", model.integrals.len(), self.last.rates.len()),
             ("numbers of joints", model.joint_memory, self.last.joints.len()),
+            ("plastic strains", model.initial_past.len(), self.past.len()),
             ("contact", full(&self.contact.q), self.contact.q.len()),
             (
                 "contact of the tangent",
@@ -133,6 +137,7 @@ impl Memory {
         self.pace_at_tangent.clone_from(&self.pace);
         self.last_at_tangent.clone_from(&self.last);
         self.contact_at_tangent.clone_from(&self.contact);
+        self.past_at_tangent.clone_from(&self.past);
     }
 
     /// The same with the inputs of the time when the kept factorisation was made.
@@ -142,6 +147,7 @@ impl Memory {
             pace: self.pace_at_tangent.clone(),
             last: self.last_at_tangent.clone(),
             contact: self.contact_at_tangent.clone(),
+            past: self.past_at_tangent.clone(),
             ..self.clone()
         }
     }

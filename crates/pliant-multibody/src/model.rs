@@ -1,5 +1,6 @@
 //! A model made ready to compute with; it never changes during a run.
 
+use crate::altered::Plastic;
 use crate::chambers::{self, Chamber};
 use crate::contact_coupling::Contacts;
 use crate::dof_map::DofMap;
@@ -13,7 +14,7 @@ use crate::point::{Interpolation, Support};
 use crate::rigid::RigidBody;
 use crate::signal::Value;
 use crate::spec::{JointSpec, ModelSpec};
-use crate::winch::Winch;
+use crate::winch::{self, Winch};
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::{self, LinearSolver};
 use pliant_dae::structure::{self, Storage, Structure};
@@ -180,6 +181,10 @@ pub struct Model {
     pub(crate) length: f64,
     pub(crate) loads: Vec<PlacedLoad>,
     pub(crate) winches: Vec<Winch>,
+    /// Cables that yield.
+    pub(crate) plastic: Vec<Plastic>,
+    /// What their points remember at the start.
+    pub(crate) initial_past: Vec<f64>,
     /// Whether rates of signals are asked for, which takes a memory of their values.
     pub(crate) uses_rates: bool,
     /// Whether power passes forces from outside into loss.
@@ -300,6 +305,25 @@ impl Model {
         let drives = 6 * self.joints.iter().filter(|j| j.joint.is_driven()).count();
         let first = forces + drives + self.freedoms.len();
         (0..self.chambers.len()).map(|k| first + chambers::OUTPUTS * k).collect()
+    }
+
+    /// First number among the outputs of what winches show; what cables that yield remember follows.
+    pub(crate) fn first_length_output(&self) -> usize {
+        let forces = self.forces.iter().map(|f| f.force.output_count()).sum::<usize>();
+        let drives = 6 * self.joints.iter().filter(|j| j.joint.is_driven()).count();
+        forces + drives + self.freedoms.len() + chambers::OUTPUTS * self.chambers.len()
+    }
+
+    /// For each cable the first number among the outputs of what its points remember, plastic strain and path of each,
+    /// and how many numbers each of its elements has: none where it does not yield.
+    #[must_use]
+    pub fn past_outputs(&self) -> Vec<[usize; 2]> {
+        let mut places = vec![[0, 0]; self.map.cables.len()];
+        let first = self.first_length_output() + winch::OUTPUTS * self.winches.len();
+        for plastic in &self.plastic {
+            places[plastic.cable] = [first + plastic.range.start, plastic.width];
+        }
+        places
     }
 
     /// First number and number of numbers among the outputs of each force.

@@ -1,12 +1,12 @@
 //! What is read from a state after the solve: energies, momenta, strains, forces.
 
+use crate::altered::Altered;
 use crate::contact_coupling::run::Search;
 use crate::joints::Joint;
 use crate::latches::Switch;
 use crate::model::{FacePlace, Model};
 use crate::signal::Moment;
 use crate::vector::vector;
-use crate::winch::Wound;
 use pliant_elements::materials::Regime;
 use pliant_elements::{Block, CableBlock, Motion, Strain};
 use std::collections::HashSet;
@@ -14,8 +14,8 @@ use std::collections::HashSet;
 impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
     #[must_use]
-    pub fn energy(&self, wound: &Wound, q: &[f64], v: &[f64]) -> [f64; 3] {
-        let mut energy = self.energy_of_bodies(wound, q, v);
+    pub fn energy(&self, altered: &Altered, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut energy = self.energy_of_bodies(altered, q, v);
         if !self.contacts.is_empty() {
             energy[1] += self.contacts.energy(&mut Search::default(), q);
         }
@@ -23,9 +23,9 @@ impl Model {
     }
 
     /// The same without what is stored where bodies press on each other.
-    pub(crate) fn energy_of_bodies(&self, wound: &Wound, q: &[f64], v: &[f64]) -> [f64; 3] {
+    pub(crate) fn energy_of_bodies(&self, altered: &Altered, q: &[f64], v: &[f64]) -> [f64; 3] {
         let mut energy = [0.0; 3];
-        for (block, _) in self.blocks.iter_as(wound) {
+        for (block, _) in self.blocks.iter_as(altered) {
             energy[0] += block.kinetic_energy(v);
             energy[1] += block.elastic_energy(q);
             energy[2] += block.gravitational_energy(q, self.gravity);
@@ -92,19 +92,19 @@ impl Model {
     fn elements_of<'a>(
         &'a self,
         cable: usize,
-        wound: &'a Wound,
+        altered: &'a Altered,
     ) -> impl Iterator<Item = (&'a CableBlock, usize)> {
         let map = &self.map.cables[cable];
         self.strands[cable].iter().zip(&map.strands).flat_map(|(place, range)| {
-            let block = self.blocks.cable(place.block, wound);
+            let block = self.blocks.cable(place.block, altered);
             (0..range.len()).map(move |i| (block, place.element + i))
         })
     }
 
     /// Appends the axial force at the middle of each element [N]: the elastic force along the tangent, per
     /// Green-Lagrange strain times the stretch.
-    pub fn axial_force(&self, cable: usize, wound: &Wound, q: &[f64], out: &mut Vec<f64>) {
-        out.extend(self.elements_of(cable, wound).map(|(block, e)| {
+    pub fn axial_force(&self, cable: usize, altered: &Altered, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable, altered).map(|(block, e)| {
             let conjugate = block.axial_force(e, q);
             match block.law().strain {
                 Strain::Biot => conjugate,
@@ -116,13 +116,13 @@ impl Model {
     }
 
     /// Appends the axial strain at the middle of each element.
-    pub fn axial_strain(&self, cable: usize, wound: &Wound, q: &[f64], out: &mut Vec<f64>) {
-        out.extend(self.elements_of(cable, wound).map(|(block, e)| block.axial_strain(e, q)));
+    pub fn axial_strain(&self, cable: usize, altered: &Altered, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable, altered).map(|(block, e)| block.axial_strain(e, q)));
     }
 
     /// Appends the material curvature vector at the middle of each element [1/m].
-    pub fn curvature(&self, cable: usize, wound: &Wound, q: &[f64], out: &mut Vec<f64>) {
-        out.extend(self.elements_of(cable, wound).flat_map(|(block, e)| block.curvature(e, q)));
+    pub fn curvature(&self, cable: usize, altered: &Altered, q: &[f64], out: &mut Vec<f64>) {
+        out.extend(self.elements_of(cable, altered).flat_map(|(block, e)| block.curvature(e, q)));
     }
 
     /// Appends membrane strain (E11, E22, E12), change of curvature (k11, k22, k12) [1/m] and regime (0 taut, 1
@@ -263,7 +263,7 @@ impl Model {
         &self,
         cable: usize,
         node: usize,
-        wound: &Wound,
+        altered: &Altered,
         [q, v, a]: [&[f64]; 3],
     ) -> [f64; 3] {
         let map = &self.map.cables[cable];
@@ -275,7 +275,7 @@ impl Model {
                 continue;
             }
             let local = node - nodes.start;
-            let block = self.blocks.cable(place.block, wound);
+            let block = self.blocks.cable(place.block, altered);
             let after = (node + 1 < nodes.end).then_some((local, 0));
             let before = local.checked_sub(1).map(|e| (e, 6));
             for (e, first) in [before, after].into_iter().flatten() {

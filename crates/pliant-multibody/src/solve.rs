@@ -234,6 +234,7 @@ impl<'a> About<'a> {
     fn system(&self, model: &Arc<Model>, inputs: Option<Inputs>) -> Result<System, Error> {
         let mode = if self.load_factor { Mode::Static } else { Mode::Dynamic };
         let mut system = System::new(model.clone(), mode, inputs, false);
+        system.keep_elastic();
         system.set_growth(Growth { chosen: self.chosen.cloned(), fading: Vec::new() });
         system.begin(self.t, self.q.unwrap_or(&model.initial_q));
         let mut force = vec![0.0; model.coordinates()];

@@ -226,6 +226,9 @@ pub struct CableSpec {
     pub rest_length: Option<Signal>,
     /// No compression.
     pub tension_only: bool,
+    /// When it yields; none: never.
+    #[serde(default)]
+    pub plastic: Option<PlasticSpec>,
     /// Kelvin-Voigt retardation time [s].
     pub retardation_time: f64,
     /// Rows (node, shared point): nodes whose position is a shared point's, (k, 2), whole numbers.
@@ -233,6 +236,21 @@ pub struct CableSpec {
     /// Radius for contact [m]: (1,) or (elements,); none where it touches nothing.
     #[serde(default)]
     pub radius: Option<Array>,
+}
+
+/// When a cable yields and how it hardens; stresses over Young's modulus.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlasticSpec {
+    /// Strain at which it yields first, above 0.
+    pub yield_strain: f64,
+    /// Growth of the elastic range with the path of the plastic strain, at least 0.
+    pub isotropic: f64,
+    /// Shift of the elastic range with the plastic strain, at least 0.
+    pub kinematic: f64,
+    /// Plastic strain and its path at each axial point at the start, (elements, points, 2); empty: none.
+    #[serde(default = "default_array")]
+    pub past: Array,
 }
 
 /// A pair that may touch.

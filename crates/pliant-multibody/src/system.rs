@@ -5,9 +5,11 @@ mod contact;
 mod forces;
 mod growth;
 mod lengths;
+mod plastic;
 mod time;
 mod window;
 
+use crate::altered::{Altered, LEAD};
 use crate::contact_coupling::coupled::Coupled;
 use crate::contact_coupling::run::Search;
 use crate::error::ModelError;
@@ -17,7 +19,6 @@ use crate::latches::{CLOSE, Joints, Scheduled, Switch};
 use crate::memory::{Memory, work};
 use crate::model::{Model, PlacedForce};
 use crate::signal::Moment;
-use crate::winch::Wound;
 use forces::{Room, gather};
 pub use growth::{Chosen, Growth};
 use pliant_dae::error::Error;
@@ -70,7 +71,7 @@ pub struct System {
     scratch: Scratch,
     room: Room,
     joints: Joints,
-    wound: Wound,
+    altered: Altered,
     /// Rates of the inputs.
     rates: Vec<f64>,
     /// Generalized forces at the next accepted point.
@@ -90,7 +91,10 @@ impl System {
     pub fn new(model: Arc<Model>, mode: Mode, inputs: Option<Inputs>, parallel: bool) -> Self {
         let workspaces = model.blocks.iter().map(|_| Workspace::default()).collect();
         let joints = Joints::new(&model, &[], &[]);
-        let wound = Wound::new(&model);
+        let mut altered = Altered::new(&model);
+        if mode == Mode::Static {
+            altered.set_lead(LEAD);
+        }
         let coupled = Coupled::new(&model.structure);
         Self {
             model,
@@ -107,7 +111,7 @@ impl System {
             integrals: Vec::new(),
             scratch: Scratch::default(),
             room: Room::default(),
-            wound,
+            altered,
             rates: Vec::new(),
             forces: Vec::new(),
             search: Search::default(),
@@ -138,6 +142,7 @@ impl System {
     pub fn set_memory(&mut self, memory: Memory) {
         self.joints = Joints::new(&self.model, &memory.history, &memory.redundant);
         self.memory = memory;
+        self.altered.set_past(&self.model, &self.memory.past);
         self.noted_energy = None;
         self.show_held();
     }
@@ -186,7 +191,7 @@ impl System {
     /// rest of the change is the work of joints that move by themselves.
     pub fn note_impact(&mut self, q: &[f64], before: &[f64], after: &[f64]) {
         let dv: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
-        let kinetic = |v: &[f64]| self.model.energy(&self.wound, q, v)[0];
+        let kinetic = |v: &[f64]| self.model.energy(&self.altered, q, v)[0];
         let lost = kinetic(&dv);
         let gained = kinetic(after) - kinetic(before);
         self.memory.audit.dissipated += lost;
@@ -335,9 +340,9 @@ impl System {
         let known = !contact.totals.is_empty() || !contact.probes.totals.is_empty();
         let apart = known && !contact.has_touched();
         let mut energy = if apart || self.model.contacts.is_empty() {
-            self.model.energy_of_bodies(&self.wound, q, v)
+            self.model.energy_of_bodies(&self.altered, q, v)
         } else {
-            self.model.energy(&self.wound, q, v)
+            self.model.energy(&self.altered, q, v)
         };
         energy[1] += self.model.stored_energy(self.moment(t), q, v);
         energy[1] += self.model.gas_energy(self.moment(t), q, false);
@@ -364,8 +369,8 @@ impl System {
         let mut rest = std::mem::take(&mut self.scratch.rest);
         rest.resize(v.len(), 0.0);
         // What is left at rest, winches included, is elastic.
-        let lengths = self.wound.lengths.clone();
-        self.wound.stop(&self.model);
+        let lengths = self.altered.lengths.clone();
+        self.altered.stop(&self.model);
         for f in force.iter_mut() {
             *f = -*f;
         }
@@ -374,7 +379,7 @@ impl System {
             *f = -*f;
         }
         for (winch, length) in lengths.into_iter().enumerate() {
-            self.wound.set(&self.model, winch, length);
+            self.altered.set(&self.model, winch, length);
         }
         self.damped_blocks(Motion { q, v, a: &rest }, force);
         self.scratch.rest = rest;
@@ -382,7 +387,7 @@ impl System {
 
     /// Adds the inner forces of blocks with damping.
     fn damped_blocks(&mut self, motion: Motion<'_>, force: &mut [f64]) {
-        let blocks = self.model.blocks.iter_as(&self.wound).zip(&mut self.workspaces);
+        let blocks = self.model.blocks.iter_as(&self.altered).zip(&mut self.workspaces);
         for ((block, _), workspace) in blocks.filter(|((block, _), _)| block.has_damping()) {
             block.residual(motion, [0.0; 3], workspace, force, self.parallel);
         }
@@ -450,7 +455,7 @@ impl System {
             damping: weights.damping,
             stiffness: weights.stiffness,
         };
-        for (block, range) in self.model.blocks.iter_as(&self.wound) {
+        for (block, range) in self.model.blocks.iter_as(&self.altered) {
             let values = &mut values[range.clone()];
             if predicted && block.predicts() {
                 block.predicted_tangent(motion, weights, values, self.parallel);
@@ -618,9 +623,10 @@ impl Problem for System {
             || self.model.forces.iter().any(|f| f.force.has_damping())
     }
 
-    /// Films that wrinkle.
+    /// Films that wrinkle, and cables that yield.
     fn has_kinks(&self) -> bool {
-        self.model.blocks.surfaces.iter().any(|p| p.block.law().material.is_one_sided())
+        !self.model.plastic.is_empty()
+            || self.model.blocks.surfaces.iter().any(|p| p.block.law().material.is_one_sided())
     }
 
     fn residual(
@@ -634,7 +640,7 @@ impl Problem for System {
         let gravity = self.gravity_at(at.t);
         let motion = Motion { q: at.q, v: at.v, a: at.a };
         for ((block, _), workspace) in
-            self.model.blocks.iter_as(&self.wound).zip(&mut self.workspaces)
+            self.model.blocks.iter_as(&self.altered).zip(&mut self.workspaces)
         {
             block.residual(motion, gravity, workspace, force, self.parallel);
         }
@@ -783,6 +789,7 @@ impl Problem for System {
     /// order, and exact also where damping brings a jump of velocity to rest within the step, whose power at the
     /// ends says nothing about the time between.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
+        self.memory.audit.dissipated += self.plastic_work(after);
         let judged = std::mem::take(&mut self.judged);
         if let Some((_, lost, noted)) = judged.loss.filter(|&(t, ..)| t == after.t) {
             self.memory.audit.dissipated += lost;
@@ -821,10 +828,12 @@ impl Problem for System {
         self.accept_given(before, after);
         self.remember(after);
         self.accept_contact(after);
+        self.flow_to(after.t, after.q);
     }
 
     fn equilibrium(&mut self, at: Point<'_>) {
         self.remember(at);
+        self.flow_to(at.t, at.q);
     }
 
     /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each
@@ -848,7 +857,7 @@ impl Problem for System {
                     [p % 3];
             let motion = Motion { q: at.q, v: at.v, a: at.a };
             for strand in strands {
-                let block = self.model.blocks.cable(strand.block, &self.wound);
+                let block = self.model.blocks.cable(strand.block, &self.altered);
                 let gravity = self.gravity_at(at.t);
                 let cable = Some(strand.cable);
                 block.add_parameter_derivative(parameter, cable, motion, gravity, force);

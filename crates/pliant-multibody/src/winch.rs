@@ -1,14 +1,9 @@
 //! Winches: the stress-free length of a cable over time, and the rates of values over time.
-//!
-//! A model never changes during a run, so the run has copies of the blocks whose lengths winches change, and sets them
-//! to each time that it asks about. What a winch has let out at a recorded time stands in the outputs of that time.
 
 use crate::error::ModelError;
-use crate::model::{Blocks, Model, StrandPlace};
+use crate::model::StrandPlace;
 use crate::signal::{Moment, Value};
 use crate::spec::CableSpec;
-use pliant_elements::{Block, CableBlock, Motion};
-use std::ops::Range;
 
 /// Numbers that a winch shows: the factor of the length and its rate [1/s].
 pub(crate) const OUTPUTS: usize = 2;
@@ -21,7 +16,7 @@ pub(crate) struct Winch {
     length: Value,
     /// That at the start [m], which the cable was built with.
     start: f64,
-    strands: Vec<StrandPlace>,
+    pub(crate) strands: Vec<StrandPlace>,
 }
 
 impl Winch {
@@ -65,94 +60,6 @@ impl Winch {
             self.name,
             factor * self.start
         ))
-    }
-}
-
-/// Blocks as winches make them at a moment, by their numbers; none where no winch is.
-#[derive(Clone, Debug, Default)]
-pub struct Wound {
-    cables: Vec<Option<CableBlock>>,
-    /// Factor and rate of each winch.
-    pub(crate) lengths: Vec<[f64; OUTPUTS]>,
-}
-
-impl Wound {
-    /// Copies of the blocks that have winches, at the start.
-    #[must_use]
-    pub fn new(model: &Model) -> Self {
-        if model.winches.is_empty() {
-            return Self::default();
-        }
-        let copy = |block: &CableBlock| block.law().wound.then(|| block.clone());
-        let cables = model.blocks.cables.iter().map(|placed| copy(&placed.block)).collect();
-        Self { cables, lengths: vec![[1.0, 0.0]; model.winches.len()] }
-    }
-
-    /// Sets what the recorded outputs of a time say; the last of them are those of winches.
-    pub fn show(&mut self, model: &Model, outputs: &[f64]) {
-        let n = OUTPUTS * model.winches.len();
-        if let Some(first) = outputs.len().checked_sub(n) {
-            for (k, row) in outputs[first..].chunks_exact(OUTPUTS).enumerate() {
-                self.set(model, k, [row[0], row[1]]);
-            }
-        }
-    }
-
-    /// Sets factor and rate of a winch.
-    pub(crate) fn set(&mut self, model: &Model, winch: usize, length: [f64; OUTPUTS]) {
-        if self.lengths[winch] == length {
-            return;
-        }
-        self.lengths[winch] = length;
-        for strand in &model.winches[winch].strands {
-            if let Some(Some(block)) = self.cables.get_mut(strand.block) {
-                block.set_length(strand.cable, length[0], length[1]);
-            }
-        }
-    }
-
-    /// Lets all winches stand still where they are.
-    pub(crate) fn stop(&mut self, model: &Model) {
-        for winch in 0..self.lengths.len() {
-            let [factor, _] = self.lengths[winch];
-            self.set(model, winch, [factor, 0.0]);
-        }
-    }
-
-    /// Forces on the factors of the lengths [J], elastic and of damping, one for each winch.
-    pub(crate) fn forces(&self, model: &Model, motion: Motion<'_>) -> Vec<[f64; 2]> {
-        let on = |winch: &Winch| {
-            let mut sum = [0.0; 2];
-            for strand in &winch.strands {
-                let block = model.blocks.cable(strand.block, self);
-                let forces = block.length_forces(strand.cable, motion);
-                sum[0] += forces[0];
-                sum[1] += forces[1];
-            }
-            sum
-        };
-        model.winches.iter().map(on).collect()
-    }
-}
-
-impl Blocks {
-    /// A block of cables.
-    pub fn cable<'a>(&'a self, number: usize, wound: &'a Wound) -> &'a CableBlock {
-        match wound.cables.get(number) {
-            Some(Some(block)) => block,
-            _ => &self.cables[number].block,
-        }
-    }
-
-    /// Every block as winches make it, and where its matrices lie. The order never changes.
-    pub fn iter_as<'a>(
-        &'a self,
-        wound: &'a Wound,
-    ) -> impl Iterator<Item = (&'a dyn Block, &'a Range<usize>)> {
-        self.iter().enumerate().map(|(number, (block, values))| match wound.cables.get(number) {
-            Some(Some(block)) => (block as &dyn Block, values),
-            _ => (block, values),
-        })
     }
 }
 

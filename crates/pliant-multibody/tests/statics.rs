@@ -6,11 +6,11 @@ mod support;
 
 use pliant_dae::error::Error;
 use pliant_dae::generalized_alpha::Options;
+use pliant_multibody::altered::Altered;
 use pliant_multibody::model::Model;
 use pliant_multibody::run::{Leg, Run, RunOptions, Start};
 use pliant_multibody::solve::{Path, StaticOptions, statics};
 use pliant_multibody::spec::{Array, JointSpec, LoadSpec, ModelSpec, PointSpec, Signal};
-use pliant_multibody::winch::Wound;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -63,7 +63,7 @@ fn kinetic_energy(model: &Arc<Model>, path: &Path) -> f64 {
     let (mut run, _) = Run::new(model.clone(), &options, start).unwrap();
     let leg = Leg { steps: 200, step: 1e-3, end: None, output_every: 0 };
     run.advance(leg, Duration::MAX).unwrap();
-    model.energy(&Wound::new(model), q, &run.state().v)[0]
+    model.energy(&Altered::new(model), q, &run.state().v)[0]
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn a_slack_steel_rope_hangs() {
         assert!((z.abs() - 0.5 * weight).abs() < 1e-6 * weight, "{z} against {weight}");
     }
     let mut force = Vec::new();
-    model.axial_force(0, &Wound::new(&model), q, &mut force);
+    model.axial_force(0, &Altered::new(&model), q, &mut force);
     assert!(force.iter().all(|f| *f > 0.0), "{force:?}");
     let kinetic = kinetic_energy(&model, &path);
     println!("kinetic energy {kinetic:e}");

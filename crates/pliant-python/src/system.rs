@@ -5,13 +5,13 @@ use crate::errors::{PyModelError, model_error, solve_error};
 use crate::run::{CallbackFailure, PyIntegrator, raise, records};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pliant_dae::generalized_alpha::Options;
+use pliant_multibody::altered::Altered;
 use pliant_multibody::checkpoint::Saved;
 use pliant_multibody::latches::Switch;
 use pliant_multibody::model::Model;
 use pliant_multibody::run::{Run, RunOptions, Start};
 use pliant_multibody::solve::{self, StaticOptions};
 use pliant_multibody::system::{Chosen, Inputs};
-use pliant_multibody::winch::Wound;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex};
@@ -60,14 +60,14 @@ impl PySystem {
         py: Python<'_>,
         q: &[f64],
         (outputs, width): &(Vec<f64>, usize),
-        work: impl Fn(&Wound, &[f64], &mut Vec<f64>) + Sync,
+        work: impl Fn(&Altered, &[f64], &mut Vec<f64>) + Sync,
     ) -> Vec<f64> {
         py.detach(|| {
             let mut out = Vec::new();
-            let mut wound = Wound::new(&self.model);
+            let mut altered = Altered::new(&self.model);
             for (i, q) in q.chunks_exact(self.model.coordinates().max(1)).enumerate() {
-                wound.show(&self.model, &outputs[i * width..(i + 1) * width]);
-                work(&wound, q, &mut out);
+                altered.show(&self.model, &outputs[i * width..(i + 1) * width]);
+                work(&altered, q, &mut out);
             }
             out
         })
@@ -261,6 +261,14 @@ impl PySystem {
         let forces = self.model.force_outputs();
         let flat = forces.iter().flatten().map(|&x| x as i64);
         PyArray1::from_iter(py, flat).reshape([forces.len(), 2])
+    }
+
+    /// First number among the outputs of what the points of each cable remember, and the number of them in an element.
+    fn past_outputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        use numpy::PyArrayMethods;
+        let places = self.model.past_outputs();
+        let flat = places.iter().flatten().map(|&x| x as i64);
+        PyArray1::from_iter(py, flat).reshape([places.len(), 2])
     }
 
     /// First of the three numbers among the outputs of each chamber.
@@ -652,11 +660,11 @@ impl PySystem {
         let n = self.model.coordinates();
         let forces = py.detach(|| {
             let mut out = Vec::new();
-            let mut wound = Wound::new(&self.model);
+            let mut altered = Altered::new(&self.model);
             for i in 0..count {
-                wound.show(&self.model, &outputs[i * width..(i + 1) * width]);
+                altered.show(&self.model, &outputs[i * width..(i + 1) * width]);
                 let state = [&q, &v, &a].map(|x| &x[i * n..(i + 1) * n]);
-                out.extend(self.model.nodal_force(cable, node, &wound, state));
+                out.extend(self.model.nodal_force(cable, node, &altered, state));
             }
             out
         });

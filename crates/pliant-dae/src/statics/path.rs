@@ -3,7 +3,8 @@
 //! Points are sought on the plane normal to the path's tangent at the last one (Riks 1979), which has no choice of
 //! roots to go wrong; each Newton step solves twice with one factorisation (Batoz & Dhatt 1979). The tangent keeps
 //! its sense by its product with the last one, so that limit points are passed and points where branches meet
-//! are crossed. Lengths are `|dq / scale|_rms^2 + dload^2`.
+//! are crossed; where forces have kinks the load may turn at a corner, and the sense is that of the motion alone.
+//! Lengths are `|dq / scale|_rms^2 + dload^2`.
 //!
 //! Inside each step the path is searched for what is critical: limit points, where the load stops rising or falling, by
 //! the sign of its rate, and bifurcations, where stability changes without that, by the number of motions that lower
@@ -125,6 +126,7 @@ pub fn follow_path<P: Problem + ?Sized>(
     let mut search = Search::new(problem, solver, options.equilibrium, poll);
     search.measure_forces(options.equilibrium.from, q, &lambda_);
     let mut here = search.begin(q, &lambda_, options)?;
+    search.found(here.load, &here.place.q, &here.place.lambda_);
     sink(search.point(&here, Kind::Regular, Vec::new()));
     let to = options.equilibrium.to;
     let mut part = 0.5;
@@ -211,6 +213,7 @@ pub fn follow_path<P: Problem + ?Sized>(
             }
         }
         here = follow;
+        search.found(here.load, &here.place.q, &here.place.lambda_);
         sink(search.point(&here, Kind::Regular, Vec::new()));
         points += 1;
         require_met(search.problem, here.load, &here.place.q, &dependencies)?;
@@ -272,7 +275,10 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         if !norm.is_finite() {
             return Err(self.failure(load, 0.0, &[], 0));
         }
-        let forward = self.product(&tangent[..n], before) + rate_before;
+        let mut forward = self.product(&tangent[..n], before);
+        if forward == 0.0 || !self.problem.has_kinks() {
+            forward += rate_before;
+        }
         let sign = if forward < 0.0 { -1.0 } else { 1.0 };
         tangent.iter_mut().for_each(|t| *t *= sign / norm);
         let (falling, squares) = self.falling(load, &place)?;

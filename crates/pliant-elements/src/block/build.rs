@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{CHUNK, CableBlock, Core, Gram, LANES, Lengths};
+use super::{CHUNK, CableBlock, Core, Gram, LANES, Lengths, PastRows};
 use crate::elements::cable::{Cable, CableElement, CableLaw, NodeOffsets, Reference, place};
 use crate::error::ElementError;
 use crate::integrals::cable::Numbers;
@@ -67,7 +67,15 @@ impl CableBlock {
                 slots[first..=last].iter().enumerate().all(follows)
             })
             .collect();
-        let lengths = if law.wound { Lengths::new(is_bridge.len()) } else { Lengths::default() };
+        let scaled = law.wound || law.plastic;
+        let lengths = if scaled { Lengths::new(is_bridge.len()) } else { Lengths::default() };
+        let mut past = PastRows::default();
+        if law.plastic {
+            past = PastRows::new(is_bridge.len());
+            for (cable, range) in cables.iter().zip(&ranges) {
+                past.begin(range.start..range.end - 1, cable.yielding);
+            }
+        }
         Ok(Self {
             law,
             slots,
@@ -78,6 +86,7 @@ impl CableBlock {
             core: store.core,
             gram: store.gram,
             lengths,
+            past,
             extent,
         })
     }
@@ -179,6 +188,11 @@ fn check(
             "between 0 and 1, exclusive",
         )?;
         positive("the smoothing of slack", cable.slack.smoothing)?;
+    }
+    if law.plastic {
+        positive("the yield strain", cable.yielding.strain)?;
+        not_negative("the isotropic hardening", cable.yielding.isotropic)?;
+        not_negative("the kinematic hardening", cable.yielding.kinematic)?;
     }
     match (law.reference, element.reference) {
         (Reference::Planar, None) => {

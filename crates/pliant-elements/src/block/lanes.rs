@@ -5,11 +5,11 @@ use pulp::{Arch, Simd, WithSimd};
 
 use std::ops::Range;
 
-use super::{CHUNK, CHUNK_SUMS, CableBlock, Core, GROUP_VALUES, Gram, LANES};
+use super::{CHUNK, CHUNK_SUMS, CableBlock, Core, GROUP_VALUES, Gram, LANES, PastRows};
 use crate::element::{Motion, Weights};
 use crate::elements::cable::tangent as tangent_kernel;
 use crate::elements::cable::{
-    Column, LawSource, Nodal, NodeOffsets, force, inertia, wound_force, wound_tangent,
+    Column, LawSource, Nodal, NodeOffsets, Past, force, inertia, wound_force, wound_tangent,
 };
 
 /// Room for a chunk's nodes and the lanes beyond.
@@ -51,6 +51,8 @@ struct LaneColumn<'a, S> {
     core: &'a Core,
     gram: Option<&'a Gram>,
     offset: usize,
+    past: &'a PastRows,
+    element: usize,
 }
 
 impl<S: Simd> Column<Lanes<S>> for LaneColumn<'_, S> {
@@ -64,6 +66,10 @@ impl<S: Simd> Column<Lanes<S>> for LaneColumn<'_, S> {
             Some(gram) => Lanes::load(self.simd, &gram[k][self.offset..]),
             None => Lanes::splat(self.simd, 0.0),
         }
+    }
+    #[inline(always)]
+    fn past(self, k: usize) -> Past<Lanes<S>> {
+        self.past.lanes(self.simd, k, self.element)
     }
 }
 
@@ -131,7 +137,14 @@ impl CableBlock {
     #[inline(always)]
     fn lane_column<S: Simd>(&self, simd: S, e: usize) -> LaneColumn<'_, S> {
         let group = self.groups[e / LANES] as usize;
-        LaneColumn { simd, core: &self.core[group], gram: self.gram.get(group), offset: e % LANES }
+        LaneColumn {
+            simd,
+            core: &self.core[group],
+            gram: self.gram.get(group),
+            offset: e % LANES,
+            past: &self.past,
+            element: e,
+        }
     }
 
     /// Nodes of the chunk from element `first`, and its number of elements.

@@ -34,6 +34,9 @@ impl CableBlock {
     /// Sets the stress-free length of a cable to `factor` times that it was built with, above zero, and the rate of
     /// the factor [1/s]. The law of the block is `wound`; for another law this does nothing.
     pub fn set_length(&mut self, cable: usize, factor: f64, rate: f64) {
+        if !self.law.wound {
+            return;
+        }
         for e in self.elements_of(cable) {
             let Some(slot) = self.lengths.factor.get_mut(e) else { return };
             *slot = factor;

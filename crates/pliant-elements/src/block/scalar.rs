@@ -2,10 +2,11 @@
 
 use pliant_math::{Dual, Real, Vec3};
 
-use super::{CableBlock, Core, Gram, LANES};
+use super::{CableBlock, Core, Gram, LANES, PastRows};
 use crate::element::{Motion, Weights};
 use crate::elements::cable::{
-    Column, Nodal, NodeOffsets, inertia, place, wound_energy, wound_force, wound_tangent,
+    Column, Nodal, NodeOffsets, Past, inertia, place, wound_energy, wound_force,
+    wound_plastic_work, wound_tangent,
 };
 
 /// A parameter that forces depend on linearly.
@@ -42,6 +43,8 @@ pub(crate) struct ScalarColumn<'a> {
     lane: usize,
     only: Option<Parameter>,
     exact: bool,
+    past: &'a PastRows,
+    element: usize,
 }
 
 impl ScalarColumn<'_> {
@@ -71,6 +74,9 @@ impl Column<f64> for ScalarColumn<'_> {
     fn gram(self, k: usize) -> f64 {
         self.gram_number(k)
     }
+    fn past(self, k: usize) -> Past<f64> {
+        self.past.at(k, self.element)
+    }
 }
 
 impl Column<Dual> for ScalarColumn<'_> {
@@ -79,6 +85,9 @@ impl Column<Dual> for ScalarColumn<'_> {
     }
     fn gram(self, k: usize) -> Dual {
         Dual::new(self.gram_number(k), 0.0)
+    }
+    fn past(self, k: usize) -> Past<Dual> {
+        self.past.at(k, self.element).map(|x| Dual::new(x, 0.0))
     }
 }
 
@@ -101,6 +110,8 @@ impl CableBlock {
             lane: e % LANES,
             only: None,
             exact: self.law.bending == crate::elements::cable::Bending::Exact,
+            past: &self.past,
+            element: e,
         }
     }
 
@@ -130,6 +141,14 @@ impl CableBlock {
         for<'a> ScalarColumn<'a>: Column<T>,
     {
         wound_energy(self.law, self.column(e), &vectors(q), self.scale(e, q[0]))
+    }
+
+    /// Work of element `e` [J] on plastic flow since what its points remember, likewise.
+    pub(crate) fn local_plastic_work<T: Real>(&self, e: usize, q: &[T; 12]) -> T
+    where
+        for<'a> ScalarColumn<'a>: Column<T>,
+    {
+        wound_plastic_work(self.law, self.column(e), &vectors(q), self.scale(e, q[0]))
     }
 
     /// Internal force of element `e` at local coordinates and velocities, over any kind of number.

@@ -11,18 +11,23 @@
 
 mod data;
 mod energy;
+mod flow;
 mod force;
 mod tangent;
 mod wound;
 
 pub use data::{
     Bending, Cable, CableElement, CableLaw, Integration, NodeOffsets, Reference, Section, Sections,
-    Slack, Strain,
+    Slack, Strain, Yielding,
 };
-pub(crate) use energy::{curvature, elastic_energy, mid_strain_and_force};
+pub(crate) use energy::{curvature, elastic_energy, mid_strain_and_force, plastic_work};
+pub(crate) use flow::{Past, flow};
 pub(crate) use force::{force, inertia};
 pub(crate) use tangent::tangent;
-pub(crate) use wound::{Scale, length_forces, wound_energy, wound_force, wound_tangent};
+pub(crate) use wound::{
+    Scale, length_forces, wound_energy, wound_force, wound_plastic_work, wound_strains,
+    wound_tangent,
+};
 
 use pliant_math::{Real, Vec3};
 
@@ -71,6 +76,8 @@ pub(crate) trait Column<T>: Copy {
     fn get(self, place: usize) -> T;
     /// Number `k` of the Gram form.
     fn gram(self, k: usize) -> T;
+    /// What axial point `k` remembers; asked for by plastic laws only.
+    fn past(self, k: usize) -> Past<T>;
 }
 
 /// The law of a block: a value known at compile time for the common laws, else read at run time.
@@ -88,14 +95,27 @@ impl LawSource for WoundLaw {
     const WOUND: bool = true;
     #[inline(always)]
     fn law(self) -> CableLaw {
-        self.0
+        CableLaw { plastic: false, ..self.0 }
     }
 }
 
+/// The law of cables that yield, on winches or not: with lengths that stay the same the result is that of the others.
+#[derive(Clone, Copy)]
+pub(crate) struct PlasticLaw(pub CableLaw);
+
+impl LawSource for PlasticLaw {
+    const WOUND: bool = true;
+    #[inline(always)]
+    fn law(self) -> CableLaw {
+        CableLaw { plastic: true, ..self.0 }
+    }
+}
+
+/// Any other law.
 impl LawSource for CableLaw {
     #[inline(always)]
     fn law(self) -> CableLaw {
-        self
+        Self { plastic: false, ..self }
     }
 }
 
@@ -154,9 +174,37 @@ impl<T: Real> Line<T> {
     }
 }
 
-/// Axial force over EA and its slope at strain `eps`; linear, or with slack.
+/// Axial force over EA at a strain, and its slopes.
+#[derive(Clone, Copy)]
+pub(crate) struct Axial<T> {
+    pub force: T,
+    /// Its derivative.
+    pub slope: T,
+    /// Factor of the viscosity: beside what yields, and none where the line is slack.
+    pub viscous: T,
+}
+
+/// The axial law at point `k` and strain `eps`.
 #[inline(always)]
-pub(crate) fn axial_law<T: Real>(law: CableLaw, column: impl Column<T>, eps: T) -> (T, T) {
+pub(crate) fn axial_law<T: Real>(
+    law: CableLaw,
+    column: impl Column<T>,
+    k: usize,
+    eps: T,
+) -> Axial<T> {
+    if law.plastic {
+        let flow = flow(law, column.past(k), eps);
+        let (force, viscous) = elastic_law(law, column, flow.elastic);
+        Axial { force, slope: viscous * flow.share, viscous }
+    } else {
+        let (force, slope) = elastic_law(law, column, eps);
+        Axial { force, slope, viscous: slope }
+    }
+}
+
+/// Axial force over EA and its slope at elastic strain `eps`; linear, or with slack.
+#[inline(always)]
+pub(crate) fn elastic_law<T: Real>(law: CableLaw, column: impl Column<T>, eps: T) -> (T, T) {
     if law.tension_only {
         let (rho, width) = (column.get(place::RESIDUAL), column.get(place::SMOOTHING));
         let half = (eps.constant(1.0) - rho).scale(0.5);

@@ -12,7 +12,7 @@ use pliant_math::quadrature::{GAUSS_3, GAUSS_5, LOBATTO_3};
 use crate::elements::cable::{
     Bending, CableElement, CableLaw, Integration, Reference, Strain, place,
 };
-use crate::elements::cable::{Column, Line, Slack, elastic_energy};
+use crate::elements::cable::{Column, Line, Past, Slack, Yielding, elastic_energy};
 
 /// Precomputed numbers of one element, placed as [`place`] tells, and its Gram form.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +123,11 @@ impl Column<f64> for &Numbers {
     }
     fn gram(self, k: usize) -> f64 {
         self.gram[k]
+    }
+    /// At the reference nothing has yielded.
+    fn past(self, _: usize) -> Past<f64> {
+        let Yielding { strain, isotropic, kinematic } = Yielding::NONE;
+        Past { yield_strain: strain, isotropic, kinematic, strain: 0.0, path: 0.0, lead: 0.0 }
     }
 }
 

@@ -2,7 +2,8 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use pliant_elements::{
-    Cable, CableBlock, CableElement, CableLaw, NodeOffsets, Reference, Section, Sections, Slack,
+    Cable, CableBlock, CableElement, CableLaw, NodeOffsets, PAST, Reference, Section, Sections,
+    Slack, Yielding,
 };
 use pliant_math::rotation::{Quaternion, rotate};
 
@@ -10,12 +11,14 @@ pub const LENGTH: f64 = 0.3;
 pub const EA: f64 = 1e3;
 pub const EI: f64 = 2.0;
 pub const MASS: f64 = 0.8;
+/// Of the plastic laws: both kinds of hardening at once.
+pub const YIELDING: Yielding = Yielding { strain: 0.04, isotropic: 0.1, kinematic: 0.15 };
 /// Turning angle of one element of the curved reference.
 pub const ANGLE: f64 = 0.4;
 
 /// Every law.
 pub fn laws() -> impl Iterator<Item = CableLaw> {
-    (0..CableLaw::COUNT).map(CableLaw::from_code)
+    (0..=u8::MAX).map(CableLaw::from_code)
 }
 
 pub fn section() -> Section {
@@ -72,6 +75,7 @@ pub fn cable(law: CableLaw, elements: usize) -> Cable {
         elements: vec![element(law, 0)],
         normal: [0.0, 0.0, 1.0],
         slack: Slack { residual_stiffness: 0.05, smoothing: 0.03 },
+        yielding: YIELDING,
     }
 }
 
@@ -103,6 +107,39 @@ pub fn example(law: CableLaw) -> CableBlock {
     let cable = Cable { nodes: nodes(0, 5), elements, ..cable(law, 4) };
     let mut block = CableBlock::new(law, &[cable]).unwrap();
     block.set_length(0, FACTOR, 0.0);
+    block
+}
+
+/// Lets all elements flow to coordinates `q`, as an accepted step does.
+pub fn settle(block: &mut CableBlock, q: &[f64]) {
+    let elements: Vec<usize> = block.real_elements().map(|(e, _)| e).collect();
+    for e in elements {
+        let mut past = Vec::new();
+        block.flowed(e, q, &mut past);
+        block.set_past(e, &past);
+    }
+}
+
+/// Lets plastic strains have gone a longer way: by isotropic hardening nothing yields nearby.
+pub fn harden(block: &mut CableBlock, q: &[f64]) {
+    let elements: Vec<usize> = block.real_elements().map(|(e, _)| e).collect();
+    for e in elements {
+        let mut past = Vec::new();
+        block.flowed(e, q, &mut past);
+        past.iter_mut().skip(1).step_by(PAST).for_each(|path| *path += 1.0);
+        block.set_past(e, &past);
+    }
+}
+
+/// The example after it has yielded to and fro.
+pub fn worked(law: CableLaw) -> CableBlock {
+    let mut block = example(law);
+    if law.plastic {
+        for seed in [70, 71, 72] {
+            let q = perturbed(&block, 0.15, seed);
+            settle(&mut block, &q);
+        }
+    }
     block
 }
 

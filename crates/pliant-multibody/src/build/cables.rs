@@ -1,14 +1,15 @@
 //! Cables: their elements in blocks, one for each law, and their masses.
 
+use crate::altered::{Plastic, check_past};
 use crate::document::{Arrays, row};
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
 use crate::model::{Placed, StrandPlace};
-use crate::spec::{BendingSpec, CableSpec, IntegrationSpec, ModelSpec, StrainSpec};
+use crate::spec::{BendingSpec, CableSpec, IntegrationSpec, ModelSpec, PlasticSpec, StrainSpec};
 use pliant_dae::structure::Structure;
 use pliant_elements::{
-    Bending, Cable, CableBlock, CableElement, CableLaw, ElementError, Integration, Reference,
-    Section, Sections, Slack, Strain,
+    Bending, Cable, CableBlock, CableElement, CableLaw, ElementError, Integration, PAST, Reference,
+    Section, Sections, Slack, Strain, Yielding,
 };
 use pliant_math::quadrature::{GAUSS_3, GAUSS_5, LOBATTO_3};
 
@@ -33,6 +34,7 @@ fn law(cable: &CableSpec) -> CableLaw {
         tension_only: cable.tension_only,
         damped: cable.retardation_time != 0.0,
         wound: cable.rest_length.is_some(),
+        plastic: cable.plastic.is_some(),
     }
 }
 
@@ -79,6 +81,7 @@ pub(super) fn blocks(
                 elements: parameters,
                 normal,
                 slack: Slack::default(),
+                yielding: cable.plastic.as_ref().map_or(Yielding::NONE, PlasticSpec::law),
             });
         }
         places.push(strands);
@@ -105,6 +108,56 @@ pub(super) fn blocks(
         }
     }
     Ok((blocks, places))
+}
+
+/// Where the cables that yield keep what their points remember.
+pub(super) fn plastic(
+    spec: &ModelSpec,
+    map: &DofMap,
+    strands: &[Vec<StrandPlace>],
+    blocks: &[Placed<Box<CableBlock>>],
+) -> Vec<Plastic> {
+    let mut found = Vec::new();
+    let (mut next, mut winches) = (0, 0);
+    for (cable, spec) in spec.cables.iter().enumerate() {
+        let winch = spec.rest_length.is_some().then_some(winches);
+        winches += usize::from(winch.is_some());
+        if spec.plastic.is_none() {
+            continue;
+        }
+        let places = &strands[cable];
+        let width = PAST * places.first().map_or(0, |p| blocks[p.block].block.axial_points());
+        let counts = map.cables[cable].strands.iter().map(ExactSizeIterator::len);
+        let end = next + width * map.cables[cable].elements();
+        found.push(Plastic {
+            cable,
+            range: next..end,
+            width,
+            winch,
+            strands: places.iter().copied().zip(counts).collect(),
+        });
+        next = end;
+    }
+    found
+}
+
+/// What the points of cables that yield remember at the start.
+pub(super) fn initial_past(
+    spec: &ModelSpec,
+    arrays: Arrays<'_>,
+    plastic: &[Plastic],
+) -> Result<Vec<f64>, ModelError> {
+    let mut past = Vec::new();
+    for place in plastic {
+        let cable = &spec.cables[place.cable];
+        let Some(law) = &cable.plastic else { continue };
+        let what = format!("cable '{}', past", cable.name);
+        let given = arrays.sized(&law.past, &[0, place.range.len()], &what)?;
+        check_past(given, &what)?;
+        past.extend_from_slice(given);
+        past.resize(place.range.end, 0.0);
+    }
+    Ok(past)
 }
 
 /// Energy at a strain of one, EA times the length [J], as a measure of rounding in elastic energies.

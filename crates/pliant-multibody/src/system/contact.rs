@@ -116,7 +116,7 @@ impl System {
         let gain = now.iter().sum::<f64>() - last.iter().sum::<f64>() - outside;
         let h = after.t - before.t;
         if part > SMALLEST && h * contacts.frequency > RESOLVED {
-            let lost = self.loss_of_step(before, after);
+            let lost = self.loss_of_step(before, after) + self.plastic_work(after);
             let gap = gain + lost;
             if gap.abs() > GAP * peak + contacts.energy_floor {
                 return refuse(format!(
@@ -176,7 +176,7 @@ impl System {
     }
 
     fn energy_with(&self, search: &mut Search, at: Point<'_>) -> [f64; 3] {
-        let mut energy = self.model.energy_of_bodies(&self.wound, at.q, at.v);
+        let mut energy = self.model.energy_of_bodies(&self.altered, at.q, at.v);
         energy[1] += self.model.stored_energy(self.moment(at.t), at.q, at.v);
         energy[1] += self.model.gas_energy(self.moment(at.t), at.q, false);
         energy[1] += self.model.contacts.energy(search, at.q);

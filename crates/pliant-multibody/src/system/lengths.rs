@@ -29,7 +29,7 @@ impl System {
             winch
                 .check(factor, t)
                 .map_err(|message| EvaluationError { message, recoverable: false })?;
-            self.wound.set(&self.model, k, [factor, rate]);
+            self.altered.set(&self.model, k, [factor, rate]);
         }
         Ok(())
     }
@@ -41,8 +41,8 @@ impl System {
             return (self.memory.winches.clone(), self.memory.transit.unwrap_or(0.0));
         }
         let motion = Motion { q: at.q, v: at.v, a: at.a };
-        let forces = self.wound.forces(&self.model, motion);
-        let lengths = &self.wound.lengths;
+        let forces = self.altered.forces(&self.model, motion);
+        let lengths = &self.altered.lengths;
         let winches =
             lengths.iter().zip(forces).map(|(l, [elastic, damping])| [l[0], elastic, damping]);
         let winches = winches.collect();

@@ -202,6 +202,7 @@ impl System {
         }
         self.memory.last.rates = rates;
         self.memory.last.joints = joints;
+        self.begin_past(t, q);
     }
 
     /// Remembers an accepted point.
@@ -227,7 +228,8 @@ impl System {
         self.memory.last = Last { t: at.t, angles, integrals, rates, joints };
     }
 
-    /// Appends what forces, drives, freedoms, winches and contacts show at the last accepted point.
+    /// Appends what forces, drives, freedoms, chambers, winches, cables that yield and contacts show at the last
+    /// accepted point.
     pub fn outputs(&self, at: Point<'_>, out: &mut Vec<f64>) {
         let now = self.moment(at.t);
         self.model.outputs(now, at.q, at.v, out);
@@ -245,7 +247,8 @@ impl System {
         }
         out.extend(&self.memory.last.angles);
         self.chamber_outputs(at, out);
-        out.extend(self.wound.lengths.iter().flatten());
+        out.extend(self.altered.lengths.iter().flatten());
+        out.extend(&self.altered.past);
         self.show_contact(out);
     }
 

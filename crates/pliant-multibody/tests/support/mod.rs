@@ -30,6 +30,7 @@ pub fn straight_cable(name: &str, elements: usize, length: f64) -> CableSpec {
         reference: None,
         rest_length: None,
         tension_only: false,
+        plastic: None,
         retardation_time: 0.0,
         shared: none(),
         radius: Some(Array::Inline(vec![5e-3])),

@@ -58,13 +58,15 @@ pub struct CableLaw {
     pub damped: bool,
     /// Whether winches change the stress-free lengths.
     pub wound: bool,
+    /// Whether the line yields where it is stretched too far; bending stays elastic.
+    pub plastic: bool,
 }
 
 impl CableLaw {
     /// Number of different laws.
-    pub const COUNT: u8 = 128;
+    pub const COUNT: usize = 256;
 
-    /// The law of a code below [`Self::COUNT`].
+    /// The law of a code.
     #[must_use]
     #[inline(always)]
     pub const fn from_code(code: u8) -> Self {
@@ -76,6 +78,7 @@ impl CableLaw {
             tension_only: code & 16 != 0,
             damped: code & 32 != 0,
             wound: code & 64 != 0,
+            plastic: code & 128 != 0,
         }
     }
 
@@ -89,6 +92,7 @@ impl CableLaw {
             | (self.tension_only as u8) << 4
             | (self.damped as u8) << 5
             | (self.wound as u8) << 6
+            | (self.plastic as u8) << 7
     }
 
     /// Whether the axial part is evaluated from the precomputed Gram form.
@@ -97,6 +101,7 @@ impl CableLaw {
         matches!(self.integration, Integration::Full)
             && matches!(self.strain, Strain::GreenLagrange)
             && !self.tension_only
+            && !self.plastic
     }
 }
 
@@ -172,6 +177,25 @@ impl Default for Slack {
     }
 }
 
+/// When a line yields and how it hardens, bilinear: stresses over Young's modulus.
+///
+/// With the plastic strain eps_p and its path alpha (what it has gone through, to and fro) the stress is
+/// `sigma = E (eps - eps_p)`, and the line yields where `|sigma - K eps_p| = sigma_y + H alpha`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yielding {
+    /// Strain at which a new line yields, sigma_y / E.
+    pub strain: f64,
+    /// Isotropic hardening H / E: the elastic range grows.
+    pub isotropic: f64,
+    /// Kinematic hardening K / E: the elastic range moves.
+    pub kinematic: f64,
+}
+
+impl Yielding {
+    /// Of a law without any; bridges between cables have it, too.
+    pub const NONE: Self = Self { strain: 1.0, isotropic: 0.0, kinematic: 0.0 };
+}
+
 /// Where a node's coordinates are in the global vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeOffsets {
@@ -192,4 +216,6 @@ pub struct Cable {
     pub normal: [f64; 3],
     /// How the cable goes slack; used by tension-only laws.
     pub slack: Slack,
+    /// When it yields; used by plastic laws.
+    pub yielding: Yielding,
 }

@@ -5,10 +5,11 @@ use pliant_math::{Real, Vec3};
 
 use super::force::normal;
 use super::{
-    Bending, CableLaw, Column, Integration, Line, Nodal, Reference, Scale, axial_law, place, strain,
+    Bending, CableLaw, Column, Integration, Line, Nodal, Reference, Scale, axial_law, elastic_law,
+    flow, place, strain,
 };
 
-/// Elastic energy. Written point by point, so that it checks the forces and the precomputed forms.
+/// Elastic energy, which unloading gives back. Written point by point, so that it checks the forces and the precomputed forms.
 #[inline(always)]
 pub(crate) fn elastic_energy<T: Real>(law: CableLaw, column: impl Column<T>, x: &Nodal<T>) -> T {
     let line = Line::new(x, column.get(place::INVERSE_LENGTH));
@@ -17,7 +18,8 @@ pub(crate) fn elastic_energy<T: Real>(law: CableLaw, column: impl Column<T>, x: 
         let v = line.tangent(2.0 * xi - 1.0);
         let a = v.dot_add(v, column.get(place::GUARD));
         let (eps, _) = strain(law, column, k, a);
-        energy = column.get(place::AXIAL + k).mul_add(axial_energy(law, column, eps), energy);
+        let elastic = if law.plastic { flow(law, column.past(k), eps).elastic } else { eps };
+        energy = column.get(place::AXIAL + k).mul_add(axial_energy(law, column, elastic), energy);
     };
     match law.integration {
         Integration::Lobatto => (0..3).for_each(|k| axial(k, LOBATTO_3.xi[k])),
@@ -52,6 +54,41 @@ pub(crate) fn elastic_energy<T: Real>(law: CableLaw, column: impl Column<T>, x: 
     energy
 }
 
+/// Work spent on plastic flow since the state that the points remember: with the elastic energy it is the potential of
+/// the forces.
+#[inline(always)]
+pub(crate) fn plastic_work<T: Real>(law: CableLaw, column: impl Column<T>, x: &Nodal<T>) -> T {
+    let line = Line::new(x, column.get(place::INVERSE_LENGTH));
+    let mut work = column.get(place::GUARD).zero();
+    let mut axial = |k: usize, xi: f64| {
+        let v = line.tangent(2.0 * xi - 1.0);
+        let (eps, _) = strain(law, column, k, v.dot_add(v, column.get(place::GUARD)));
+        work = column.get(place::AXIAL + k).mul_add(work_at(law, column, k, eps), work);
+    };
+    match law.integration {
+        Integration::Lobatto => (0..3).for_each(|k| axial(k, LOBATTO_3.xi[k])),
+        Integration::Full => (0..5).for_each(|k| axial(k, GAUSS_5.xi[k])),
+    }
+    work
+}
+
+/// Plastic work over EA at point `k`: the stress along the flow times the flow. It is linear in the flow, or nearly so
+/// where it lies within the passage to slack.
+#[inline(always)]
+fn work_at<T: Real>(law: CableLaw, column: impl Column<T>, k: usize, eps: T) -> T {
+    let past = column.past(k);
+    let step = flow(law, past, eps).step;
+    let (back, bound) = past.range();
+    let first = step.select_positive(back + bound, back - bound);
+    let change = (past.isotropic + past.kinematic) * step;
+    let mut mean = step.zero();
+    for (xi, weight) in GAUSS_5.xi.into_iter().zip(GAUSS_5.weight) {
+        let stress = elastic_law(law, column, change.mul_add(step.constant(xi), first)).0;
+        mean = stress.mul_add(step.constant(weight), mean);
+    }
+    mean * step
+}
+
 /// `w/2 |v x u|^2/A^2`.
 #[inline(always)]
 fn bending_energy<T: Real>(w: T, v: Vec3<T>, u: Vec3<T>, a: T) -> T {
@@ -59,7 +96,7 @@ fn bending_energy<T: Real>(w: T, v: Vec3<T>, u: Vec3<T>, a: T) -> T {
     (w * x.dot(x) / (a * a)).scale(0.5)
 }
 
-/// Energy over EA at strain `eps`: the integral of [`axial_law`].
+/// Energy over EA at elastic strain `eps`: the integral of [`elastic_law`].
 #[inline(always)]
 fn axial_energy<T: Real>(law: CableLaw, column: impl Column<T>, eps: T) -> T {
     let square = (eps * eps).scale(0.5);
@@ -88,7 +125,7 @@ pub(crate) fn mid_strain_and_force(
         Integration::Full => 2,
     };
     let (eps, _) = strain(law, column, k, v.dot_add(v, column.get(place::GUARD)));
-    (eps, axial_law(law, column, eps).0)
+    (eps, axial_law(law, column, k, eps).force)
 }
 
 /// `r' x r''/|r'|^2` at mid-element [1/m], per stress-free length.

@@ -132,9 +132,10 @@ fn axial_force<T: Real>(
     rate: Option<Vec3<T>>,
 ) -> Vec3<T> {
     let (eps, g) = strain(law, column, k, v.dot_add(v, guard));
-    let (mut n, slope) = axial_law(law, column, eps);
+    let axial = axial_law(law, column, k, eps);
+    let mut n = axial.force;
     if let Some(rate) = rate {
-        n = (column.get(place::TAU) * slope * g).mul_add(v.dot(rate), n);
+        n = (column.get(place::TAU) * axial.viscous * g).mul_add(v.dot(rate), n);
     }
     v.times(column.get(place::AXIAL + k) * n * g)
 }

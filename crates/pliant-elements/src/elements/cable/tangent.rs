@@ -200,17 +200,18 @@ fn axial_stiffness<T: Real>(
     use super::Strain;
     let a = v.dot_add(v, guard);
     let (eps, g) = strain(law, column, k, a);
-    let (mut n, slope) = axial_law(law, column, eps);
+    let axial = axial_law(law, column, k, eps);
+    let mut n = axial.force;
     let w = column.get(place::AXIAL + k);
-    let mut weight = scale.stiffness;
+    let mut weight = scale.stiffness * axial.slope;
     if let Some(rate) = rate {
-        let tau = column.get(place::TAU);
-        n = (tau * slope * g).mul_add(v.dot(rate), n);
-        weight = tau.mul_add(scale.damping, weight);
+        let viscous = column.get(place::TAU) * axial.viscous;
+        n = (viscous * g).mul_add(v.dot(rate), n);
+        weight = viscous.mul_add(scale.damping, weight);
     }
     let wg = w * g;
     let n = n * scale.stiffness;
-    let mut outer = weight * slope * g;
+    let mut outer = weight * g;
     if law.strain == Strain::Biot {
         // d^2 eps/d r'^2 = g (I - r' r'^T/A).
         outer = outer - n / a;

@@ -11,12 +11,17 @@
 //!
 //! The winch does work by `dU/dlambda`, and likewise of the damping: an axial energy is of degree 1, one of bending of
 //! degree -1 in the length, and the slopes and differences of degree -1, so that with the forces f on the scaled nodes
-//! `dU/dlambda = (U_axial - U_bending - f.x)/lambda`.
+//! `dU/dlambda = (U_axial - U_bending - f.x)/lambda`. What a winch lets out or hauls in is as strained as what hangs,
+//! plastic strains included: those stay while the length changes.
 
 use pliant_math::Real;
+use pliant_math::quadrature::{GAUSS_5, LOBATTO_3};
 
 use super::force::Rates;
-use super::{Bending, CableLaw, Column, Nodal, elastic_energy, force, place, tangent};
+use super::{
+    Bending, CableLaw, Column, Integration, Line, Nodal, Past, elastic_energy, force, place,
+    plastic_work, strain, tangent,
+};
 use crate::element::Weights;
 
 /// Factor of the stress-free length, its inverse, and its rate over it [1/s].
@@ -61,6 +66,11 @@ impl<T: Real, C: Column<T>> Column<T> for Scaled<C, T> {
     fn gram(self, k: usize) -> T {
         let number = self.column.gram(k);
         if k < 21 { number * self.scale.length } else { number }
+    }
+
+    #[inline(always)]
+    fn past(self, k: usize) -> Past<T> {
+        self.column.past(k)
     }
 }
 
@@ -161,6 +171,38 @@ pub(crate) fn wound_energy<T: Real>(
     scale: Scale<T>,
 ) -> T {
     elastic_energy(law, Scaled { column, law, scale }, &nodes(x, scale))
+}
+
+/// [`plastic_work`] of an element of scaled length.
+#[inline(always)]
+pub(crate) fn wound_plastic_work<T: Real>(
+    law: CableLaw,
+    column: impl Column<T>,
+    x: &Nodal<T>,
+    scale: Scale<T>,
+) -> T {
+    plastic_work(law, Scaled { column, law, scale }, &nodes(x, scale))
+}
+
+/// Strains at the axial points of an element of scaled length; the last of five are unused where the rule has three.
+pub(crate) fn wound_strains(
+    law: CableLaw,
+    column: impl Column<f64>,
+    x: &Nodal<f64>,
+    scale: Scale<f64>,
+) -> [f64; 5] {
+    let line = Line::new(&nodes(x, scale), column.get(place::INVERSE_LENGTH) * scale.inverse);
+    let at = |k: usize, xi: f64| {
+        let v = line.tangent(2.0 * xi - 1.0);
+        strain(law, column, k, v.dot_add(v, column.get(place::GUARD))).0
+    };
+    match law.integration {
+        Integration::Lobatto => {
+            let [a, b, c] = LOBATTO_3.xi;
+            [at(0, a), at(1, b), at(2, c), 0.0, 0.0]
+        }
+        Integration::Full => std::array::from_fn(|k| at(k, GAUSS_5.xi[k])),
+    }
 }
 
 /// Forces on the factor of the length, elastic and of damping: their product with its rate is the power of the winch.
