@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,17 +11,21 @@ from pliant.beams import BeamBody
 from pliant.bodies import Body, LineBody, MassBody
 from pliant.contacts import (
     DAMPING,
+    POISSON_RATIO,
     RAMP,
     STANDARD_GRAVITY,
     ContactData,
     ObstacleData,
+    effective_modulus,
     friction_document,
     shape_document,
 )
+from pliant.joints import EdgeJoint
+from pliant.points import Point
 from pliant.rigid import RigidBodyData
 from pliant.shapes import Box
 from pliant.surfaces import SurfaceBody
-from pliant.typing import Json
+from pliant.typing import FloatArray, Json
 
 if TYPE_CHECKING:
     from pliant._lower import _Lowering
@@ -31,6 +36,11 @@ SINKING = 1e-3
 """How deep a rigid body sinks under its own weight, over its size: what its stiffness is chosen for."""
 POINT_SIZE = 1e-2
 """Size of a mass without a radius [m]."""
+WINDOW = 1.05 * np.pi / 2.0
+"""Way along a surface, over its thickness, below which it does not touch itself: half a turn of the tightest
+bend."""
+NEIGHBOURHOOD = 3.0
+"""How far around a joint nothing touches, over what the two sides reach together."""
 
 Side = Body | ObstacleData
 
@@ -64,11 +74,13 @@ def why_not(a: Side, b: Side) -> str | None:
         return f"a {kind_of(a)} does not touch itself"
     if isinstance(a, LineBody) and isinstance(b, LineBody):
         return None
-    if isinstance(a, solid) or isinstance(b, solid):
+    # A surface is touched by everything that has points.
+    touched = (*solid, SurfaceBody)
+    if isinstance(a, touched) or isinstance(b, touched):
         return None
     return (
-        f"contact between a {kind_of(a)} and a {kind_of(b)} is not known: shells, membranes and point masses "
-        "touch obstacles and rigid bodies with a shape, cables these and each other"
+        f"contact between a {kind_of(a)} and a {kind_of(b)} is not known: point masses touch obstacles, "
+        "rigid bodies with a shape, shells and membranes; cables these and each other"
     )
 
 
@@ -94,7 +106,59 @@ def document(contact: ContactData, lowering: _Lowering) -> Json:
         "size": size,
         "damping": DAMPING if contact.damping is None else contact.damping,
         "friction": friction_document(contact.friction, size),
+        "window": WINDOW * 2.0 * _reach(sides[0]) if contact.a == contact.b else 0.0,
+        "apart": lowering._array(_apart(contact, sides, lowering)),
     }
+
+
+def _apart(contact: ContactData, sides: list[Side], lowering: _Lowering) -> FloatArray:
+    """Places on stress-free surfaces around which nothing touches, for a joint holds the two there.
+
+    Rows of side (0 or 1), place (3) and how far [m].
+    """
+    rows: list[FloatArray] = []
+    if contact.a == contact.b:
+        return np.array(rows)
+    width = NEIGHBOURHOOD * sum(_reach(side) for side in sides)
+    both = {contact.a, contact.b}
+
+    def note(body: SurfaceBody, places: FloatArray) -> None:
+        number = 0 if body.name == contact.a else 1
+        rows.extend(np.array([number, *place, width]) for place in places)
+
+    for joint in lowering.model._joints.values():
+        if isinstance(joint, EdgeJoint):
+            edges = [edge for edge in (joint.edge, joint.other) if edge is not None]
+            names = {edge.body for edge in edges} | ({joint.body} if joint.body else set())
+            if names != both:
+                continue
+            for edge in edges:
+                body = lowering.model._bodies[edge.body]
+                assert isinstance(body, SurfaceBody)
+                corners = body.reference[list(edge.nodes), 0]
+                places = [corners[:1]]
+                for one, other in pairwise(corners):
+                    count = max(1, int(np.ceil(np.linalg.norm(other - one) / width)))
+                    places.append(one + (other - one) * np.linspace(0.0, 1.0, count + 1)[1:, None])
+                note(body, np.concatenate(places))
+            continue
+        points = [point for point in joint.points() if isinstance(point, Point)]
+        if {point.body for point in points} != both:
+            continue
+        for point in points:
+            body = lowering.model._bodies[point.body]
+            if isinstance(body, SurfaceBody):
+                note(body, body.place(point, body.reference)[None])
+    return np.array(rows)
+
+
+def _reach(side: Side) -> float:
+    """Half of a thickness, or a radius: how far a thin side reaches about its middle [m]."""
+    if isinstance(side, SurfaceBody):
+        return 0.5 * float(side.thickness.max())
+    if isinstance(side, LineBody):
+        return float(side.radius.max())
+    return 0.0
 
 
 def _side(side: Side, lowering: _Lowering) -> Json:
@@ -117,11 +181,15 @@ def _side(side: Side, lowering: _Lowering) -> Json:
 def _size(sides: list[Side]) -> float:
     """Length by which penetration and bristles are measured: thickness, or the least of the radii [m]."""
     sizes = []
+    for thin in (LineBody, SurfaceBody):
+        widths = [
+            float((side.radius if isinstance(side, LineBody) else side.thickness).min())
+            for side in sides
+            if isinstance(side, thin)
+        ]
+        if widths:
+            return min(widths)
     for side in sides:
-        if isinstance(side, SurfaceBody):
-            return float(side.thickness.min())
-        if isinstance(side, LineBody):
-            return float(side.radius.min())
         if isinstance(side, MassBody):
             sizes.append(side.radius if side.radius > 0 else POINT_SIZE)
         elif isinstance(side, RigidBodyData):
@@ -136,16 +204,20 @@ def _radius(shape: Any) -> float:
 def _stiffness(contact: ContactData, sides: list[Side], size: float, gravity: float) -> float:
     """Give the stiffness of a contact: that of the body that yields, else what carries a weight.
 
-    Surfaces as a layer of their material between the faces, E/t per area; lines as on an obstacle; rigid
-    bodies so that the lighter one sinks in by a thousandth of its size.
+    Surfaces as layers of their materials between the faces, E/t per area; lines as round bars that cross
+    another of the other's material; a mass on a surface as a column of the mass's section; rigid bodies so
+    that the lighter one sinks in by a thousandth of its size.
     """
     if contact.stiffness is not None:
         return contact.stiffness
-    for side in sides:
-        if isinstance(side, SurfaceBody):
-            return side.youngs_modulus / size
-        if isinstance(side, LineBody):
-            stiffness: float = contact.laws([side])["stiffness"]
-            return stiffness
+    lines = [side for side in sides if isinstance(side, LineBody)]
+    surfaces = [side for side in sides if isinstance(side, SurfaceBody)]
+    if lines:
+        moduli = [effective_modulus(side) for side in lines] + [side.youngs_modulus for side in surfaces]
+        return 0.5 / sum((1.0 - POISSON_RATIO**2) / modulus for modulus in moduli)
+    if surfaces:
+        layer = 1.0 / sum(float(side.thickness.min()) / side.youngs_modulus for side in surfaces)
+        points = [side for side in sides if isinstance(side, MassBody)]
+        return layer * np.pi * (points[0].radius or POINT_SIZE) ** 2 if points else layer
     masses = [side.mass for side in sides if isinstance(side, (RigidBodyData, MassBody))]
     return min(masses) * (gravity or STANDARD_GRAVITY) / (SINKING * size)

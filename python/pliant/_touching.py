@@ -92,13 +92,14 @@ class Touching(Actuation):
         a : Cable, CableNet, Shell, Membrane, RigidBody or PointMass
             A body; a rigid body must have a shape.
         b : body or Obstacle, optional
-            The other; None: ``a`` itself. Shells, membranes and point masses touch obstacles and rigid
-            bodies; cables these and each other.
+            The other; None: ``a`` itself, a cable, shell or membrane. Cables, shells and membranes touch each
+            other, obstacles and rigid bodies; point masses all of these but cables.
         stiffness : float, optional
             Force per penetration: per length of a cable [N/m^2], per area of a shell or membrane [N/m^3],
-            at a point of a rigid body or mass [N/m]. None: of cables as stiff as two round bars of these
-            materials that cross; of surfaces E/t, a layer of the material; of rigid bodies such that the
-            lighter one sinks in by a thousandth of its size under its weight.
+            at a point of a rigid body or mass [N/m]. None: of cables, also on surfaces, as stiff as two round
+            bars of these materials that cross; of surfaces E/t, a layer of the material; of a mass on a
+            surface as stiff as the layer under it; of rigid bodies such that the lighter one sinks in by a
+            thousandth of its size under its weight.
         damping : float, optional
             Hunt-Crossley [s/m]: the force times 1 + damping x approach speed, never pulling; None: 3.
         friction : LuGre or Coulomb, optional
@@ -145,6 +146,8 @@ class Touching(Actuation):
         friction: Any = None,
     ) -> list[Contact]:
         """Let all of these bodies touch each other, cables also themselves, and the obstacles among them.
+
+        Shells and membranes touch themselves where :meth:`add_contact` says so: that costs a search.
 
         Parameters
         ----------

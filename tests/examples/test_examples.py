@@ -57,6 +57,7 @@ SMALL = {
     "regrasped_cable": {"step": 8e-3, "duration": 6.0},
     "rolled_cantilever": {"elements": (8, 16)},
     "rolled_strip": {"elements": (6, 12, 24), "kinds": ("bicubic", "cylindrical"), "shown": 12},
+    "sliding_cloth": {"cloth": 3, "film": 3, "step": 2e-3, "duration": 0.12},
     "slider_crank": {"duration": 0.8, "step": 4e-3, "halvings": 1},
     "snapping_shell": {"elements": 12, "excesses": (1e-3, 1e-2), "step": 0.04},
     "soft_finger": {"mesh": (40, 4), "duration": 1.2, "step": 2e-3},
@@ -466,6 +467,14 @@ def test_crossing_ropes_converge(examples, record):
         "example crossing ropes, ends and middles, 0.5 ms against 0.25", step[1], 0.0, 2e-5, unit="m"
     )
     assert step[1] < 0.5 * step[0]
+
+
+def test_the_cloth_gets_what_rope_and_film_give(examples, record):
+    _, slide = examples["sliding_cloth"]
+    # Differences of places at the end, and trapezoids through the blows.
+    assert record("example sliding cloth, momentum without impulse", slide.unexplained, 0.0, 0.02)
+    assert slide.drifts[1] < slide.drifts[0]
+    assert record("example sliding cloth, energy drift", slide.drifts[1], 0.0, 0.05)
 
 
 def test_the_quadruped_sets_off_as_it_should(examples, record):

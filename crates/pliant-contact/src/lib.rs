@@ -6,9 +6,11 @@
 pub mod bore;
 pub mod broad_phase;
 pub mod curve;
+pub mod foot;
 pub mod friction;
 pub mod manifolds;
 pub mod meshes;
+pub mod net;
 pub mod normal;
 pub mod point;
 pub mod probe;

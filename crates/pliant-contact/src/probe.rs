@@ -19,7 +19,7 @@
 //! Vectors come in the order: four of the slave (a point: one; a rigid body: centre and axes; at rest: none), four of
 //! the master (rigid body: centre and axes; at rest: none).
 
-use crate::friction::Response;
+use crate::friction::{Response, Slip};
 use crate::normal::Pressure;
 use crate::point::{Laws, Motion};
 use crate::shapes::Distance;
@@ -59,6 +59,58 @@ pub enum Slave {
     Body(Pose, Vector3<f64>),
 }
 
+impl Slave {
+    /// Number of its vectors.
+    #[must_use]
+    pub fn vectors(&self) -> usize {
+        match self {
+            Self::Rest => 0,
+            Self::Point => 1,
+            Self::Body(..) => 4,
+        }
+    }
+
+    /// Enters the weights of its vectors in the motion at the contact, which lies `aside` from p.
+    pub(crate) fn add_weights(&self, aside: Vector3<f64>, w: &mut [f64; 8]) {
+        match self {
+            Self::Rest => {}
+            Self::Point => w[0] = 1.0,
+            Self::Body(pose, local) => {
+                // In the slave's frame; p is at `local` whatever the axes have drifted to.
+                let y = local + pose.axes.transpose() * aside;
+                w[0] = 1.0;
+                w[1..4].copy_from_slice(y.as_slice());
+            }
+        }
+    }
+
+    /// Derivatives of the weights of its axes by vector l, where those of the normal n are `d_n`.
+    pub(crate) fn weights_by(
+        &self,
+        l: usize,
+        d_n: &Matrix3<f64>,
+        n: Vector3<f64>,
+        radius: f64,
+    ) -> Matrix3<f64> {
+        let Self::Body(pose, _) = self else { return Matrix3::zeros() };
+        let mut rows = pose.axes.transpose() * d_n * -radius;
+        if (1..4).contains(&l) {
+            let row = rows.row(l - 1) - n.transpose() * radius;
+            rows.set_row(l - 1, &row);
+        }
+        rows
+    }
+
+    /// Weight of vector l in p.
+    pub(crate) fn weight_in_place(&self, l: usize) -> f64 {
+        match (self, l) {
+            (Self::Point | Self::Body(..), 0) => 1.0,
+            (Self::Body(_, local), 1..=3) => local[l - 1],
+            _ => 0.0,
+        }
+    }
+}
+
 /// A probe before a shape.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe {
@@ -96,92 +148,54 @@ fn sum(weights: &[f64; 8], x: &[Vector3<f64>; 8]) -> Vector3<f64> {
     (0..8).map(|k| x[k] * weights[k]).sum()
 }
 
-impl Probe {
-    /// The gap, below zero in contact [m].
-    #[must_use]
-    pub fn gap(&self) -> f64 {
-        self.distance.value - self.radius
-    }
+/// How what a contact is made of changes with one of the vectors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Varied {
+    /// Gradient of the gap.
+    pub gap: Vector3<f64>,
+    /// Derivative of the normal.
+    pub normal: Matrix3<f64>,
+    /// Of the weights of vectors 1 to 3, by rows.
+    pub own: Matrix3<f64>,
+    /// Of the weights of vectors 5 to 7.
+    pub other: Matrix3<f64>,
+}
 
-    /// From the master to the slave.
-    #[must_use]
-    pub fn normal(&self) -> Vector3<f64> {
-        self.master.axes * self.distance.normal
-    }
+/// Two sides at a point where they touch: all that force and tangent need.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opposed {
+    pub gap: f64,
+    pub n: Vector3<f64>,
+    /// Weights of the eight vectors in the relative motion.
+    pub w: [f64; 8],
+    /// What the point counts for.
+    pub weight: f64,
+    /// Vectors of the slave that take part, from 0, and of the master, from 4.
+    pub slave: usize,
+    pub master: usize,
+}
 
-    /// Where the two touch.
-    #[must_use]
-    pub fn place(&self) -> Vector3<f64> {
-        self.p - self.normal() * self.radius
-    }
-
-    /// Weights of the eight vectors in the relative motion of the slave at the contact.
-    #[must_use]
-    pub fn weights(&self) -> [f64; 8] {
-        let mut w = [0.0; 8];
-        let c = self.place();
-        match &self.slave {
-            Slave::Rest => {}
-            Slave::Point => w[0] = 1.0,
-            Slave::Body(pose, local) => {
-                // c - p in the slave's frame; p is at `local` whatever the axes have drifted to.
-                let y = local + pose.axes.transpose() * (c - self.p);
-                w[0] = 1.0;
-                w[1..4].copy_from_slice(y.as_slice());
-            }
-        }
-        if self.moves {
-            let y = self.foot();
-            w[4] = -1.0;
-            for i in 0..3 {
-                w[5 + i] = -y[i];
-            }
-        }
-        w
-    }
-
-    /// c in the master's frame.
-    fn foot(&self) -> Vector3<f64> {
-        self.master.local(self.p) - self.distance.normal * self.radius
-    }
-
-    fn is_body(&self) -> bool {
-        matches!(self.slave, Slave::Body(..))
-    }
-
-    /// The vectors that take part.
+impl Opposed {
     fn active(&self) -> impl Iterator<Item = usize> + Clone {
-        let slave = match self.slave {
-            Slave::Rest => 0,
-            Slave::Point => 1,
-            Slave::Body(..) => 4,
-        };
-        (0..slave).chain(4..if self.moves { 8 } else { 4 })
+        (0..self.slave).chain(4..4 + self.master)
     }
 
-    fn tangential(&self, n: Vector3<f64>, x: Vector3<f64>) -> Vector3<f64> {
-        x - n * n.dot(&x)
+    fn tangential(&self, x: Vector3<f64>) -> Vector3<f64> {
+        x - self.n * self.n.dot(&x)
     }
 
-    /// The force.
-    #[must_use]
+    /// The force on the slave.
     pub fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
-        let (n, w) = (self.normal(), self.weights());
-        let v = sum(&w, motion.v);
-        let pressure = laws.normal.pressure(-self.gap(), -n.dot(&v));
+        let n = self.n;
+        let v = sum(&self.w, motion.v);
+        let pressure = laws.normal.pressure(-self.gap, -n.dot(&v));
         let friction = match laws.friction {
             Some(law) => {
                 let h = motion.h;
-                let moved = self.tangential(n, sum(&w, motion.moved));
+                let moved = self.tangential(sum(&self.w, motion.moved));
                 let mean = if h > 0.0 { moved / h } else { Vector3::zeros() };
-                let end = self.tangential(n, v);
-                law.respond(&crate::friction::Slip {
-                    z: motion.z,
-                    mean,
-                    end,
-                    normal: pressure.p,
-                    h,
-                })
+                let end = self.tangential(v);
+                law.respond(&Slip { z: motion.z, mean, end, normal: pressure.p, h })
             }
             None => Response::none(),
         };
@@ -190,27 +204,8 @@ impl Probe {
 
     /// Adds what a force on the slave adds to the inner forces of the eight vectors.
     pub fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
-        let w = self.weights();
         for k in self.active() {
-            out[k] -= total * (self.weight * w[k]);
-        }
-    }
-
-    /// Derivative of y by vector l.
-    fn place_by(&self, l: usize) -> Matrix3<f64> {
-        let frame = self.master.axes.transpose();
-        match l {
-            0 => frame,
-            1..=3 => match self.slave {
-                Slave::Body(_, local) => frame * local[l - 1],
-                _ => Matrix3::zeros(),
-            },
-            4 => -frame,
-            _ => {
-                let mut rows = Matrix3::zeros();
-                rows.set_row(l - 5, &(self.p - self.master.origin).transpose());
-                rows
-            }
+            out[k] -= total * (self.weight * self.w[k]);
         }
     }
 
@@ -223,45 +218,20 @@ impl Probe {
         motion: &Motion<'_>,
         (stiffness, damping): (f64, f64),
         symmetric: bool,
-        out: &mut Blocks,
+        (varied, out): (&dyn Fn(usize) -> Varied, &mut Blocks),
     ) {
         let force = self.force(laws, motion);
         let (pressure, friction) = (force.pressure, force.friction);
-        let (n, w) = (self.normal(), self.weights());
+        let (n, w) = (self.n, self.w);
         let plane = Matrix3::identity() - n * n.transpose();
         let v = sum(&w, motion.v);
         let moved = sum(&w, motion.moved);
-        let axes = &self.master.axes;
-        let own = match &self.slave {
-            Slave::Body(pose, _) => pose.axes,
-            _ => Matrix3::identity(),
-        };
         for l in self.active() {
-            let d_y = self.place_by(l);
-            let mut d_n = axes * self.distance.hessian * d_y;
-            if l >= 5 {
-                d_n += Matrix3::from_diagonal_element(self.distance.normal[l - 5]);
-            }
-            let d_g = d_y.transpose() * self.distance.normal;
-            // Rows of the derivatives of the weights: of the slave's axes and of the master's.
-            let mut d_own = if self.is_body() {
-                own.transpose() * d_n * -self.radius
-            } else {
-                Matrix3::zeros()
-            };
-            if self.is_body() && (1..4).contains(&l) {
-                let row = d_own.row(l - 1) - n.transpose() * self.radius;
-                d_own.set_row(l - 1, &row);
-            }
-            let d_foot = if self.moves {
-                -(d_y - self.distance.hessian * d_y * self.radius)
-            } else {
-                Matrix3::zeros()
-            };
+            let Varied { gap: d_g, normal: d_n, own: d_own, other: d_other } = varied(l);
             let shifted = |x: &[Vector3<f64>; 8]| -> Matrix3<f64> {
                 let mut total = Matrix3::zeros();
                 for i in 0..3 {
-                    total += x[1 + i] * d_own.row(i) + x[5 + i] * d_foot.row(i);
+                    total += x[1 + i] * d_own.row(i) + x[5 + i] * d_other.row(i);
                 }
                 total
             };
@@ -289,10 +259,116 @@ impl Probe {
                 let mut block = d_f * w[k];
                 match k {
                     1..=3 => block += f * d_own.row(k - 1),
-                    5..=7 => block += f * d_foot.row(k - 5),
+                    5..=7 => block += f * d_other.row(k - 5),
                     _ => {}
                 }
                 out[k][l] -= block * self.weight;
+            }
+        }
+    }
+}
+
+impl Probe {
+    /// The gap, below zero in contact [m].
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        self.distance.value - self.radius
+    }
+
+    /// From the master to the slave.
+    #[must_use]
+    pub fn normal(&self) -> Vector3<f64> {
+        self.master.axes * self.distance.normal
+    }
+
+    /// Where the two touch.
+    #[must_use]
+    pub fn place(&self) -> Vector3<f64> {
+        self.p - self.normal() * self.radius
+    }
+
+    /// Weights of the eight vectors in the relative motion of the slave at the contact.
+    #[must_use]
+    pub fn weights(&self) -> [f64; 8] {
+        let mut w = [0.0; 8];
+        self.slave.add_weights(self.normal() * -self.radius, &mut w);
+        if self.moves {
+            let y = self.foot();
+            w[4] = -1.0;
+            for i in 0..3 {
+                w[5 + i] = -y[i];
+            }
+        }
+        w
+    }
+
+    /// c in the master's frame.
+    fn foot(&self) -> Vector3<f64> {
+        self.master.local(self.p) - self.distance.normal * self.radius
+    }
+
+    /// Force, as [`Opposed::force`].
+    #[must_use]
+    pub fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
+        self.opposed().force(laws, motion)
+    }
+
+    /// As [`Opposed::add_force`].
+    pub fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
+        self.opposed().add_force(total, out);
+    }
+
+    /// As [`Opposed::add_tangent`].
+    pub fn add_tangent(
+        &self,
+        laws: &Laws,
+        motion: &Motion<'_>,
+        factors: (f64, f64),
+        symmetric: bool,
+        out: &mut Blocks,
+    ) {
+        let varied = |l| self.varied(l);
+        self.opposed().add_tangent(laws, motion, factors, symmetric, (&varied, out));
+    }
+
+    fn opposed(&self) -> Opposed {
+        Opposed {
+            gap: self.gap(),
+            n: self.normal(),
+            w: self.weights(),
+            weight: self.weight,
+            slave: self.slave.vectors(),
+            master: if self.moves { 4 } else { 0 },
+        }
+    }
+
+    /// How gap, normal and weights change with vector l.
+    fn varied(&self, l: usize) -> Varied {
+        let d_y = self.place_by(l);
+        let mut normal = self.master.axes * self.distance.hessian * d_y;
+        if l >= 5 {
+            normal += Matrix3::from_diagonal_element(self.distance.normal[l - 5]);
+        }
+        let gap = d_y.transpose() * self.distance.normal;
+        let own = self.slave.weights_by(l, &normal, self.normal(), self.radius);
+        let other = if self.moves {
+            -(d_y - self.distance.hessian * d_y * self.radius)
+        } else {
+            Matrix3::zeros()
+        };
+        Varied { gap, normal, own, other }
+    }
+
+    /// Derivative of y by vector l.
+    fn place_by(&self, l: usize) -> Matrix3<f64> {
+        let frame = self.master.axes.transpose();
+        match l {
+            0..=3 => frame * self.slave.weight_in_place(l),
+            4 => -frame,
+            _ => {
+                let mut rows = Matrix3::zeros();
+                rows.set_row(l - 5, &(self.p - self.master.origin).transpose());
+                rows
             }
         }
     }

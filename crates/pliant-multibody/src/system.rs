@@ -834,6 +834,7 @@ impl Problem for System {
     fn equilibrium(&mut self, at: Point<'_>) {
         self.remember(at);
         self.flow_to(at.t, at.q);
+        self.begin_contact(at.t, at.q);
     }
 
     /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each

@@ -120,6 +120,13 @@ fn pairs() -> Vec<(SideSpec, SideSpec)> {
             all.push((body(0, &own), body(1, &shape)));
         }
     }
+    for surface in 0..2 {
+        let sheet = || SideSpec::Surface { surface };
+        all.push((SideSpec::Surface { surface: 1 - surface }, sheet()));
+        all.push((SideSpec::Line { cable: 0 }, sheet()));
+        all.push((mass(0.0), sheet()));
+        all.push((mass(0.03), sheet()));
+    }
     all
 }
 
@@ -165,6 +172,8 @@ fn spec(pair: &(SideSpec, SideSpec), friction: bool) -> ModelSpec {
         size: 0.1,
         damping: 2.0,
         friction: friction.then_some(law),
+        window: 0.0,
+        apart: inline([]),
     });
     spec
 }

@@ -9,6 +9,7 @@ use super::memory::{ContactMemory, Pair};
 use super::run::{At, PATIENCE, Search, Touch, pair_of};
 use super::{Contacts, Master};
 use crate::dof_map::DofMap;
+use crate::probes::couple::Coupling;
 use nalgebra::Matrix3;
 use pliant_dae::structure::{Mark, Storage, Structure, entries, entry_number};
 
@@ -34,6 +35,8 @@ pub struct Coupled {
     mark: Mark,
     pairs: Vec<Pair>,
     placed: Vec<Placed>,
+    /// What touches surfaces.
+    probes: Coupling,
 }
 
 impl Coupled {
@@ -45,6 +48,7 @@ impl Coupled {
             structure: structure.clone(),
             pairs: Vec::new(),
             placed: Vec::new(),
+            probes: Coupling::default(),
         }
     }
 
@@ -64,7 +68,11 @@ impl Coupled {
                 memory.coupled.insert(at, (pair, 0));
             }
         }
-        if memory.coupled.iter().map(|&(p, _)| p).eq(self.pairs.iter().copied()) {
+        let same = memory.coupled.iter().map(|&(p, _)| p).eq(self.pairs.iter().copied());
+        let ContactMemory { probes, q: was, .. } = memory;
+        let new =
+            self.probes.notes(&contacts.probes, &mut search.probes, (probes, PATIENCE), (was, q));
+        if same && !new {
             return;
         }
         self.pairs = memory.coupled.iter().map(|&(p, _)| p).collect();
@@ -82,6 +90,7 @@ impl Coupled {
             }
         }
         self.placed.sort_by_key(|p| (p.contact, p.slave, p.master));
+        self.probes.place(&contacts.probes, map, &memory.probes, &mut self.structure);
     }
 
     fn place(
@@ -133,7 +142,7 @@ impl Coupled {
             values[placed.base..placed.base + entries(placed.size, placed.storage)].fill(0.0);
         }
         let factors = (stiffness, damping, at_rest);
-        contacts.probes.tangents(&mut search.probes, memory, at, factors, values);
+        contacts.probes.tangents(&mut search.probes, memory, at, factors, (&self.probes, values));
         if stiffness == 0.0 && damping == 0.0 {
             return;
         }

@@ -1,7 +1,9 @@
 //! What follows where probes touch: forces, tangents, energy, and what is remembered.
 
-use super::find::{Blend, Found, Mark, Touch};
-use super::memory::{Patch, Spot};
+use super::couple::Coupling;
+use super::find::{Blend, Found, Mark, Meets, Touch};
+use super::memory::{Crossed, Patch, Spot};
+use super::onto::key;
 use super::{Facing, Probes, Side};
 use crate::contact_coupling::memory::{Bristle, ContactMemory};
 use crate::contact_coupling::run::{At, Part};
@@ -33,7 +35,21 @@ impl Facing {
         if let Some(other) = master {
             (0..4).for_each(|k| out[4 + k] = vector(x, other[k]));
         }
+        self.each_nodal(touch, |_, o, w| {
+            let x = vector(x, o);
+            (0..3).for_each(|d| out[4 + d] += x * w[d]);
+        });
         out
+    }
+
+    /// Calls `work` with number, coordinate and weights in r, r_u and r_v of the nodal vectors of the face touched.
+    pub(super) fn each_nodal(&self, touch: &Touch, mut work: impl FnMut(usize, usize, &[f64; 3])) {
+        if let (Meets::Face(_, ground), Side::Sheet(faces)) = (&touch.meets, &self.master) {
+            let offsets = &faces[ground.face].offsets;
+            for (i, (&o, w)) in offsets.iter().zip(&ground.weights).enumerate() {
+                work(i, o, w);
+            }
+        }
     }
 
     /// Whether a point of the slave has been inside the master on its way and left on another side. Of rigid bodies the
@@ -98,6 +114,8 @@ impl Facing {
         if let Some(other) = master {
             (0..4).for_each(|k| add(other[k], share[4 + k]));
         }
+        // The force acts at the foot; slopes feel none.
+        self.each_nodal(touch, |_, o, w| add(o, share[4] * w[0]));
     }
 
     /// Adds the blocks of a probe to the element matrix of its part.
@@ -163,14 +181,19 @@ impl Probes {
         let contact = &self.contacts[facing.contact];
         let mut z = Vector3::zeros();
         if contact.laws.friction.is_some() {
-            let n = touch.probe.normal();
+            let n = touch.meets.normal();
             z = match touch.mark {
                 Mark::Along { arc, end, .. } => {
                     let number = self.line_number(touch.facing);
                     memory.bristle(number, end, (arc, 0.0), n, contact.size)
                 }
                 Mark::Number(id) => {
-                    let reach = SAME * contact.size;
+                    let reach = match (id, &touch.meets) {
+                        (Spot::NEAREST, _) => SAME * contact.size,
+                        // On another layer of the surface there were others.
+                        (_, Meets::Face(..)) => NEIGHBOURS * contact.size,
+                        _ => f64::INFINITY,
+                    };
                     memory.probes.bristle(touch.facing as u32, id, place_of(touch), n, reach)
                 }
             };
@@ -180,7 +203,7 @@ impl Probes {
 
     fn force_at(&self, touch: &Touch, memory: &ContactMemory, at: At<'_>, at_rest: bool) -> Force {
         let laws = self.laws(touch, at_rest);
-        self.with_motion(touch, memory, at, |motion| touch.probe.force(&laws, motion))
+        self.with_motion(touch, memory, at, |motion| touch.meets.force(&laws, motion))
     }
 
     /// Adds what contact adds to the inner forces.
@@ -192,14 +215,15 @@ impl Probes {
         (part, at_rest): (Part, bool),
         out: &mut [f64],
     ) {
+        found.know(self, &memory.q, &memory.probes);
         for touch in found.touches(self, at.q) {
             let laws = self.laws(touch, at_rest);
             let mut total = self.force_at(touch, memory, at, at_rest).total;
             if part == Part::Dissipated {
-                total -= touch.probe.normal() * laws.normal.elastic(-touch.probe.gap()).0;
+                total -= touch.meets.normal() * laws.normal.elastic(-touch.meets.gap()).0;
             }
             let mut share = [Vector3::zeros(); 8];
-            touch.probe.add_force(total, &mut share);
+            touch.meets.add_force(total, &mut share);
             self.facings[touch.facing].scatter(touch, &share, out);
         }
     }
@@ -211,21 +235,33 @@ impl Probes {
         memory: &ContactMemory,
         at: At<'_>,
         (stiffness, damping, at_rest): (f64, f64, bool),
-        values: &mut [f64],
+        (coupling, values): (&Coupling, &mut [f64]),
     ) {
+        coupling.clear(values);
         for placed in self.facings.iter().flat_map(|facing| &facing.placed) {
             values[placed.base..placed.base + entries(placed.size, placed.storage)].fill(0.0);
         }
         if stiffness == 0.0 && damping == 0.0 {
             return;
         }
+        found.know(self, &memory.q, &memory.probes);
         for touch in found.touches(self, at.q) {
             let laws = self.laws(touch, at_rest);
+            if let Meets::Face(..) = touch.meets {
+                let Some(symmetric) = coupling.is_symmetric(touch) else { continue };
+                let mut blocks = [[Matrix3::zeros(); 8]; 8];
+                self.with_motion(touch, memory, at, |motion| {
+                    let factors = (stiffness, damping);
+                    touch.meets.add_tangent(&laws, motion, factors, symmetric, &mut blocks);
+                });
+                coupling.add(&self.facings[touch.facing], touch, &blocks, values);
+                continue;
+            }
             let placed = &self.facings[touch.facing].placed[touch.part];
             let (factors, symmetric) = ((stiffness, damping), placed.storage == Storage::Symmetric);
             let mut blocks = [[Matrix3::zeros(); 8]; 8];
             self.with_motion(touch, memory, at, |motion| {
-                touch.probe.add_tangent(&laws, motion, factors, symmetric, &mut blocks);
+                touch.meets.add_tangent(&laws, motion, factors, symmetric, &mut blocks);
             });
             self.facings[touch.facing].scatter_blocks(touch, &blocks, values);
         }
@@ -234,9 +270,14 @@ impl Probes {
     /// Energy stored where bodies press [J].
     pub fn energy(&self, found: &mut Found, q: &[f64]) -> f64 {
         let of = |touch: &Touch| {
-            touch.probe.weight * self.laws(touch, true).normal.energy(-touch.probe.gap())
+            touch.meets.weight() * self.laws(touch, true).normal.energy(-touch.meets.gap())
         };
         found.touches(self, q).iter().map(of).sum()
+    }
+
+    /// Whether a probe is beyond the mid-surface of what it touches at `q`.
+    pub fn have_crossed(&self, found: &mut Found, q: &[f64]) -> bool {
+        found.touches(self, q).iter().any(Touch::has_crossed)
     }
 
     /// Whether anything touches at `q`.
@@ -263,14 +304,21 @@ impl Probes {
         let before = std::mem::take(&mut memory.probes.totals);
         let mut totals = vec![[0.0; 6]; self.contacts.len()];
         let (mut spots, mut bristles) = (Vec::new(), Vec::new());
+        let (mut crossed, mut couples) = (Vec::new(), Vec::new());
+        found.know(self, &memory.q, &memory.probes);
         let mut patches: Vec<Patch> = Vec::new();
         for touch in found.touches(self, at.q) {
             let facing = &self.facings[touch.facing];
             let force = self.force_at(touch, memory, at, at_rest);
-            let (n, weight) = (touch.probe.normal(), touch.probe.weight);
+            let (n, weight) = (touch.meets.normal(), touch.meets.weight());
             let push = force.total * (weight * facing.sign);
             for c in 0..3 {
                 totals[facing.contact][c] += push[c];
+            }
+            couples.extend(touch.couple());
+            if let (true, Meets::Face(_, ground)) = (touch.has_crossed(), &touch.meets) {
+                let (facing, place) = (touch.facing as u32, ground.place.into());
+                crossed.push(Crossed { facing, key: key(&touch.mark), place });
             }
             if force.pressure.p <= 0.0 {
                 continue;
@@ -278,13 +326,14 @@ impl Probes {
             let normal_force = force.pressure.p * weight;
             let patch = Patch {
                 contact: facing.contact as u32,
-                point: (touch.probe.place() * normal_force).into(),
+                point: (touch.meets.place() * normal_force).into(),
                 normal: (n * (facing.sign * normal_force)).into(),
-                gap: touch.probe.gap(),
+                gap: touch.meets.gap(),
                 normal_force,
                 friction_force: (push - n * (facing.sign * normal_force)).into(),
             };
-            join(&mut patches, patch, self.contacts[facing.contact].size);
+            let size = self.contacts[facing.contact].size;
+            join(&mut patches, patch, (size, facing.own.is_some()));
             if self.laws(touch, at_rest).friction.is_none() {
                 continue;
             }
@@ -312,6 +361,12 @@ impl Probes {
             let n = Vector3::from(patch.normal);
             patch.normal = n.try_normalize(0.0).unwrap_or(n).into();
         }
+        couples.sort_unstable();
+        for (couple, idle) in &mut memory.probes.coupled {
+            let touches = couples.binary_search(couple).is_ok();
+            *idle = if touches { 0 } else { idle.saturating_add(1) };
+        }
+        memory.probes.crossed = crossed;
         memory.probes.spots = spots;
         memory.probes.totals = totals;
         memory.probes.patches = patches;
@@ -319,24 +374,35 @@ impl Probes {
     }
 }
 
-/// Place on the rigid body that carries a probe.
+/// Place on the rigid body that carries a probe, or of its foot on the stress-free surface.
 fn place_of(touch: &Touch) -> Vector3<f64> {
-    match touch.probe.slave {
-        Slave::Body(_, local) => local,
-        _ => Vector3::zeros(),
+    match &touch.meets {
+        Meets::Face(_, ground) => ground.place,
+        Meets::Shape(probe) => match probe.slave {
+            Slave::Body(_, local) => local,
+            _ => Vector3::zeros(),
+        },
     }
 }
 
-/// Adds a probe, its point and normal times its force, to a patch near it, or as a new one.
-fn join(patches: &mut Vec<Patch>, one: Patch, size: f64) {
+/// Adds a probe, its point and normal times its force, to a patch near it with a normal like its own, or as a new one.
+/// A surface that touches itself does so with two probes of opposite normals, of which the first counts.
+fn join(patches: &mut Vec<Patch>, mut one: Patch, (size, is_self): (f64, bool)) {
     let middle = |p: &Patch| Vector3::from(p.point) / p.normal_force;
+    let along = |p: &Patch| Vector3::from(p.normal).dot(&Vector3::from(one.normal));
     let near = patches.iter_mut().find(|p| {
-        p.contact == one.contact && (middle(p) - middle(&one)).norm() < NEIGHBOURS * size
+        p.contact == one.contact
+            && (is_self || along(p) > 0.0)
+            && (middle(p) - middle(&one)).norm() < NEIGHBOURS * size
     });
     let Some(patch) = near else {
         patches.push(one);
         return;
     };
+    if along(patch) < 0.0 {
+        one.normal = one.normal.map(|x| -x);
+        one.friction_force = one.friction_force.map(|x| -x);
+    }
     for c in 0..3 {
         patch.point[c] += one.point[c];
         patch.normal[c] += one.normal[c];

@@ -1,12 +1,16 @@
 //! What touches at given coordinates.
 
-use super::memory::Spot;
+use super::memory::{ProbeMemory, Spot};
+use super::onto::Onto;
+use super::skin::VECTORS;
 use super::{Facing, Probes, Side, vectors_of};
 use crate::contact_coupling::Segment;
 use nalgebra::Vector3;
 use pliant_contact::curve::Piece;
+use pliant_contact::foot::Foot;
 use pliant_contact::manifolds::meet;
-use pliant_contact::probe::{Pose, Probe, Slave};
+use pliant_contact::point::{Laws, Motion};
+use pliant_contact::probe::{Blocks, Force, Pose, Probe, Slave};
 use pliant_contact::shapes::{Distance, Placed, Shape};
 use pliant_contact::touch::{Master, Patch};
 
@@ -32,6 +36,85 @@ pub(crate) enum Mark {
     Along { arc: f64, zone: [f64; 2], end: bool },
 }
 
+/// Where on a surface a foot lies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ground {
+    pub face: usize,
+    /// Weights of the face's nodal vectors in r, r_u and r_v there.
+    pub weights: [[f64; 3]; VECTORS],
+    /// The place on the stress-free surface [m].
+    pub place: Vector3<f64>,
+}
+
+/// What a probe faces.
+// Copied in lists that are short beside all else: boxes would cost more than the room they save.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Meets {
+    /// A shape.
+    Shape(Probe),
+    /// A face of a surface.
+    Face(Foot, Ground),
+}
+
+impl Meets {
+    pub(crate) fn gap(&self) -> f64 {
+        match self {
+            Self::Shape(probe) => probe.gap(),
+            Self::Face(foot, _) => foot.gap(),
+        }
+    }
+
+    pub(crate) fn normal(&self) -> Vector3<f64> {
+        match self {
+            Self::Shape(probe) => probe.normal(),
+            Self::Face(foot, _) => foot.normal(),
+        }
+    }
+
+    pub(crate) fn place(&self) -> Vector3<f64> {
+        match self {
+            Self::Shape(probe) => probe.place(),
+            Self::Face(foot, _) => foot.place(),
+        }
+    }
+
+    pub(crate) fn weight(&self) -> f64 {
+        match self {
+            Self::Shape(probe) => probe.weight,
+            Self::Face(foot, _) => foot.weight,
+        }
+    }
+
+    pub(crate) fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
+        match self {
+            Self::Shape(probe) => probe.force(laws, motion),
+            Self::Face(foot, _) => foot.force(laws, motion),
+        }
+    }
+
+    pub(crate) fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
+        match self {
+            Self::Shape(probe) => probe.add_force(total, out),
+            Self::Face(foot, _) => foot.add_force(total, out),
+        }
+    }
+
+    pub(crate) fn add_tangent(
+        &self,
+        laws: &Laws,
+        motion: &Motion<'_>,
+        factors: (f64, f64),
+        symmetric: bool,
+        out: &mut Blocks,
+    ) {
+        match self {
+            Self::Shape(probe) => probe.add_tangent(laws, motion, factors, symmetric, out),
+            Self::Face(foot, _) => foot.add_tangent(laws, motion, factors, symmetric, out),
+        }
+    }
+}
+
 /// A probe in contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
@@ -39,7 +122,7 @@ pub(crate) struct Touch {
     pub part: usize,
     pub blend: Blend,
     pub mark: Mark,
-    pub probe: Probe,
+    pub meets: Meets,
 }
 
 /// What was found, and where.
@@ -47,6 +130,7 @@ pub(crate) struct Touch {
 pub struct Found {
     touches: Vec<Touch>,
     at: Vec<f64>,
+    onto: Onto,
 }
 
 impl Found {
@@ -57,10 +141,21 @@ impl Found {
             for (number, facing) in probes.facings.iter().enumerate() {
                 facing.find(number, q, &mut self.touches);
             }
+            self.onto.find(probes, q, &mut self.touches);
             self.at.clear();
             self.at.extend_from_slice(q);
         }
         &self.touches
+    }
+
+    /// Learns where everything was at the last accepted step, `q`: what came from there has its sides from there.
+    pub(crate) fn know(&mut self, probes: &Probes, q: &[f64], memory: &ProbeMemory) {
+        if !probes.skins.is_empty() && self.onto.was != q {
+            self.onto.was.clear();
+            self.onto.was.extend_from_slice(q);
+            self.onto.crossed.clone_from(&memory.crossed);
+            self.at.clear();
+        }
     }
 }
 
@@ -70,7 +165,7 @@ impl Facing {
         let moves = self.master.moves();
         let mut add = |part: usize, blend, mark, probe: Probe| {
             if probe.gap() < 0.0 && probe.weight > 0.0 {
-                out.push(Touch { facing: number, part, blend, mark, probe });
+                out.push(Touch { facing: number, part, blend, mark, meets: Meets::Shape(probe) });
             }
         };
         let facing = |slave: Slave, p: Vector3<f64>, radius: f64, weight: f64| {
@@ -197,7 +292,7 @@ impl Facing {
     }
 }
 
-fn carried(side: &Side, pose: Pose, local: Vector3<f64>) -> Slave {
+pub(super) fn carried(side: &Side, pose: Pose, local: Vector3<f64>) -> Slave {
     match side {
         Side::Rigid(..) => Slave::Body(pose, local),
         _ => Slave::Rest,
@@ -221,7 +316,7 @@ fn mark(segment: &Segment, xi: f64, patch: &Patch) -> Mark {
 }
 
 /// Points of a shape that may touch what lies in the direction `towards`, and their radii.
-fn points(shape: &Shape, towards: Vector3<f64>) -> Vec<(Vector3<f64>, f64)> {
+pub(super) fn points(shape: &Shape, towards: Vector3<f64>) -> Vec<(Vector3<f64>, f64)> {
     match *shape {
         Shape::Ball { radius } => vec![(Vector3::zeros(), radius)],
         Shape::Box { half } => (0..8)

@@ -10,12 +10,18 @@
 //! | half-space | none | exact |
 //! | triangle mesh | its vertices | nearest point |
 //!
+//! Before a surface they face its mid-surface ([`onto`]): cables, masses, corners, and of two surfaces the points of each
+//! the faces of the other, with half of their areas.
+//!
 //! [`find`] says what touches at given coordinates, [`act`] what follows from it: forces, tangents, energy, memory.
 
 pub mod act;
+pub mod couple;
 pub mod find;
 pub mod memory;
+mod onto;
 mod sheet;
+mod skin;
 pub mod spec;
 
 use crate::contact_coupling::{Segment, laws_of, line_of};
@@ -31,7 +37,9 @@ use pliant_contact::probe::Pose;
 use pliant_contact::shapes::Shape;
 use pliant_dae::structure::{Storage, Structure};
 use sheet::Face;
-use spec::{SideSpec, shape_of};
+use skin::Skin;
+use spec::{ProbeContactSpec, SideSpec, shape_of};
+use std::collections::HashMap;
 
 /// A side of a contact.
 #[derive(Clone, Debug)]
@@ -108,8 +116,55 @@ pub(crate) struct Facing {
     pub sign: f64,
     /// Whether both have flat faces, whose points come in pairs.
     pub meet: bool,
-    /// One for each part of the slave.
+    /// One for each part of the slave; none before a surface, whose couples follow what touches.
     pub placed: Vec<Placed>,
+    /// The master's number among the skins where it is a surface, and the slave's.
+    pub skin: Option<usize>,
+    pub own_skin: Option<usize>,
+    /// Part of each probe that counts: a half where both sides have some.
+    pub share: f64,
+    /// Largest sum of the slave's radius and half of the surface's thickness, typical size of a face [m].
+    pub reach: f64,
+    pub size: f64,
+    /// Of a surface that touches itself.
+    pub own: Option<Own>,
+    /// Places on the stress-free surface around which nothing touches, for a joint is there, and how far [m].
+    pub apart: Vec<(Vector3<f64>, f64)>,
+}
+
+/// What lies too near on one surface to touch.
+#[derive(Clone, Debug)]
+pub(crate) struct Own {
+    /// Distance on the stress-free surface below which points of neighbours do not touch [m].
+    pub width: f64,
+    /// Faces that begin nearer than that to each face along the surface, sorted.
+    pub near: Vec<Vec<usize>>,
+}
+
+impl Own {
+    fn of(skin: &Skin, width: f64) -> Self {
+        let beside = skin.neighbours();
+        let boxes = &skin.reference.boxes;
+        let near = |face: usize| {
+            let mut all = vec![face];
+            let mut next = 0;
+            while let Some(&at) = all.get(next) {
+                next += 1;
+                for &other in &beside[at] {
+                    let gap = (0..3).map(|k| {
+                        let (a, b) = (&boxes[face], &boxes[other]);
+                        (a.low[k] - b.high[k]).max(b.low[k] - a.high[k])
+                    });
+                    if gap.fold(f64::NEG_INFINITY, f64::max) < width && !all.contains(&other) {
+                        all.push(other);
+                    }
+                }
+            }
+            all.sort_unstable();
+            all
+        };
+        Self { width, near: (0..beside.len()).map(near).collect() }
+    }
 }
 
 /// A contact.
@@ -125,6 +180,8 @@ pub(crate) struct Contact {
 pub struct Probes {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) facings: Vec<Facing>,
+    /// Surfaces that probes touch.
+    pub(crate) skins: Vec<Skin>,
     /// Highest angular frequency of a body on its contact [1/s].
     pub(crate) frequency: f64,
     /// Largest radius, or penetration that counts as small [m].
@@ -143,6 +200,7 @@ impl Probes {
         structure: &mut Structure,
     ) -> Result<Self, ModelError> {
         let mut this = Self::default();
+        let mut numbers = HashMap::new();
         for (number, contact) in spec.probe_contacts.iter().enumerate() {
             let place = format!("contact '{}'", contact.name);
             let read = Reading { spec, arrays, map, place: &place };
@@ -156,17 +214,45 @@ impl Probes {
             )?;
             for side in [&contact.a, &contact.b] {
                 if let Some(mass) = read.mass(side)? {
+                    let mass = mass * width_of(&sides, side);
                     this.frequency = this.frequency.max((contact.stiffness / mass).sqrt());
                 }
             }
             this.radius = this.radius.max(contact.size);
             this.contacts.push(Contact { laws, size: contact.size });
-            let facings = facings(number, &sides);
-            if facings.is_empty() {
+            let of_surface = |side: &SideSpec| match side {
+                SideSpec::Surface { surface } => Some(*surface),
+                _ => None,
+            };
+            let surfaces = [of_surface(&contact.a), of_surface(&contact.b)];
+            let mut found = Vec::new();
+            // Solids before themselves and before thin bodies, then what touches surfaces.
+            if surfaces.iter().any(Option::is_none) {
+                found.extend(facings(number, &sides));
+            }
+            let is_self = surfaces[0].is_some() && surfaces[0] == surfaces[1];
+            for slave in 0..if is_self { 1 } else { 2 } {
+                let Some(surface) = surfaces[1 - slave] else { continue };
+                if !has_points(&sides[slave]) {
+                    continue;
+                }
+                let mut facing = facing(number, &sides, slave, false);
+                let mut skin = |surface: usize| -> Result<usize, ModelError> {
+                    read.skin(surface, &mut numbers, &mut this.skins)
+                };
+                facing.skin = Some(skin(surface)?);
+                facing.own_skin = surfaces[slave].map(&mut skin).transpose()?;
+                facing.lie(&this.skins, contact, is_self);
+                facing.apart = read.apart(contact, 1 - slave)?;
+                found.push(facing);
+            }
+            if found.is_empty() {
                 return Err(unknown(&place));
             }
-            for mut facing in facings {
-                facing.place(map, structure, laws.friction.as_ref());
+            for mut facing in found {
+                if facing.skin.is_none() {
+                    facing.place(map, structure, laws.friction.as_ref());
+                }
                 this.facings.push(facing);
             }
         }
@@ -187,16 +273,51 @@ fn unknown(place: &str) -> ModelError {
     }
 }
 
-/// All ways in which two sides face each other.
-fn facings(contact: usize, sides: &[Side; 2]) -> Vec<Facing> {
-    let facing = |slave: usize, meet: bool| Facing {
+/// How wide what presses is, where a force per length of a line meets a surface's mass per area.
+fn width_of(sides: &[Side; 2], side: &SideSpec) -> f64 {
+    let line = sides.iter().find_map(|side| match side {
+        Side::Line(line) => Some(line),
+        _ => None,
+    });
+    match (line, side) {
+        (Some(line), SideSpec::Surface { .. }) => {
+            2.0 * line.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min)
+        }
+        _ => 1.0,
+    }
+}
+
+/// Whether a side has probes that surfaces feel.
+fn has_points(side: &Side) -> bool {
+    match side {
+        Side::Sheet(_) | Side::Line(_) | Side::Mass(..) => true,
+        Side::Rigid(_, shape) | Side::Rest(_, shape) => {
+            matches!(shape, Shape::Ball { .. } | Shape::Box { .. })
+        }
+    }
+}
+
+fn facing(contact: usize, sides: &[Side; 2], slave: usize, meet: bool) -> Facing {
+    Facing {
         contact,
         slave: sides[slave].clone(),
         master: sides[1 - slave].clone(),
         sign: if slave == 0 { 1.0 } else { -1.0 },
         meet,
         placed: Vec::new(),
-    };
+        skin: None,
+        own_skin: None,
+        share: 1.0,
+        reach: 0.0,
+        size: 0.0,
+        own: None,
+        apart: Vec::new(),
+    }
+}
+
+/// All ways in which two sides, not both surfaces, face each other, one of them with a shape.
+fn facings(contact: usize, sides: &[Side; 2]) -> Vec<Facing> {
+    let facing = |slave: usize, meet: bool| facing(contact, sides, slave, meet);
     let shape = |side: &Side| match side {
         Side::Rigid(_, shape) | Side::Rest(_, shape) => Some(shape.clone()),
         _ => None,
@@ -237,6 +358,41 @@ fn rounder(a: &Shape, b: &Shape) -> Option<usize> {
 }
 
 impl Facing {
+    /// Enters what the search on a surface needs.
+    fn lie(&mut self, skins: &[Skin], contact: &ProbeContactSpec, is_self: bool) {
+        let Some(skin) = self.skin.map(|number| &skins[number]) else { return };
+        let most = |x: &mut dyn Iterator<Item = f64>| x.fold(0.0, f64::max);
+        let radius = match &self.slave {
+            Side::Sheet(faces) => most(&mut faces.iter().map(|face| face.radius)),
+            Side::Line(line) => most(&mut line.iter().map(|segment| segment.radius)),
+            Side::Mass(_, radius)
+            | Side::Rigid(_, Shape::Ball { radius })
+            | Side::Rest(_, Shape::Ball { radius }) => *radius,
+            _ => 0.0,
+        };
+        self.reach = radius + most(&mut skin.faces.iter().map(|face| face.radius));
+        let sizes = skin
+            .reference
+            .boxes
+            .iter()
+            .map(|hull| (0..3).map(|k| hull.high[k] - hull.low[k]).fold(0.0, f64::max));
+        self.size = sizes.sum::<f64>() / skin.faces.len() as f64;
+        match &self.slave {
+            // Both sides' points see the same force.
+            Side::Sheet(_) => self.share = 0.5,
+            // A corner stands for as much as a point of the surface does, of which there is none just there.
+            Side::Rigid(..) | Side::Rest(..) => {
+                let areas = skin.faces.iter().flat_map(|face| face.rule.iter().map(|r| r.1));
+                let count = skin.faces.iter().map(|face| face.rule.len()).sum::<usize>();
+                self.share = areas.sum::<f64>() / count as f64;
+            }
+            _ => {}
+        }
+        if is_self {
+            self.own = Some(Own::of(skin, contact.window));
+        }
+    }
+
     /// Adds an element matrix for each part of the slave.
     fn place(&mut self, map: &DofMap, structure: &mut Structure, friction: Option<&Friction>) {
         let master = match &self.master {
@@ -273,6 +429,35 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
+    /// Number of the skin of a surface.
+    fn skin(
+        &self,
+        surface: usize,
+        numbers: &mut HashMap<usize, usize>,
+        skins: &mut Vec<Skin>,
+    ) -> Result<usize, ModelError> {
+        if let Some(&number) = numbers.get(&surface) {
+            return Ok(number);
+        }
+        let map = self.map.surface(surface, self.place)?;
+        let thickness = &self.spec.surfaces[surface].thickness;
+        let thickness = self.arrays.sized(thickness, &[1, map.faces.len()], self.place)?;
+        skins.push(Skin::of(map, thickness));
+        numbers.insert(surface, skins.len() - 1);
+        Ok(skins.len() - 1)
+    }
+
+    /// Places on a side around which nothing touches, and how far.
+    fn apart(
+        &self,
+        contact: &ProbeContactSpec,
+        side: usize,
+    ) -> Result<Vec<(Vector3<f64>, f64)>, ModelError> {
+        let rows = self.arrays.get(&contact.apart, self.place)?;
+        let rows = rows.chunks_exact(5).filter(|row| row[0] == side as f64);
+        Ok(rows.map(|row| (Vector3::new(row[1], row[2], row[3]), row[4])).collect())
+    }
+
     fn side(&self, side: &SideSpec) -> Result<Side, ModelError> {
         let Self { spec, arrays, map, place } = *self;
         Ok(match side {

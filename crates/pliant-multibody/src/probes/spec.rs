@@ -2,7 +2,7 @@
 
 use crate::document::{Arrays, row};
 use crate::error::ModelError;
-use crate::spec::{Array, FrictionSpec, PointSpec, ShapeSpec};
+use crate::spec::{Array, FrictionSpec, PointSpec, ShapeSpec, default_array};
 use pliant_contact::bore::Bore;
 use pliant_contact::meshes::Mesh;
 use pliant_contact::shapes::Shape;
@@ -28,6 +28,13 @@ pub struct ProbeContactSpec {
     pub damping: f64,
     /// Friction; none: none.
     pub friction: Option<FrictionSpec>,
+    /// Of a surface with itself: neighbours nearer than this on the stress-free surface do not touch [m].
+    #[serde(default)]
+    pub window: f64,
+    /// Where joints hold the two: side (0 or 1), place on the stress-free surface of this side (3) [m], and how far
+    /// around it nothing touches [m], (k, 5).
+    #[serde(default = "default_array")]
+    pub apart: Array,
 }
 
 /// One side of a contact.

@@ -24,7 +24,7 @@ pub(super) struct Judged {
 }
 
 impl System {
-    /// Notes where everything is at the start: slip counts from there.
+    /// Notes where everything is at the start, or at an equilibrium: slip counts from there, and sides of surfaces.
     pub(super) fn begin_contact(&mut self, t: f64, q: &[f64]) {
         if !self.model.contacts.is_empty() {
             self.memory.contact.t = t;
@@ -83,6 +83,12 @@ impl System {
         if self.search.have_passed(contacts, before.q, after.q) {
             return refuse(
                 "two bodies have passed through each other within a step: they hit harder than the contact is stiff"
+                    .to_owned(),
+            );
+        }
+        if part > SMALLEST && contacts.probes.have_crossed(&mut self.search.probes, after.q) {
+            return refuse(
+                "a body has been pressed through the middle of a surface within a step: they hit harder than the contact is stiff"
                     .to_owned(),
             );
         }

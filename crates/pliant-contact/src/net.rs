@@ -1,0 +1,492 @@
+//! Faces of surfaces as Bezier nets, and the point of one that is nearest to a place.
+//!
+//! A face is a bicubic patch over the unit square or a cubic one over the unit triangle: every surface element of a
+//! model is one, or three of them (pieces of lower degree are raised). The patch lies in the hull of its control
+//! points. The nearest point is where the gradient of `|p - r|^2/2` vanishes, or points out of the domain at an edge or
+//! a corner: Newton's iteration with active bounds.
+
+use crate::broad_phase::Box3;
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+/// Control points of a patch, at most.
+pub const POINTS: usize = 16;
+
+/// What a patch is a map of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// The unit square: 4 x 4 control points, those along v follow each other.
+    Square,
+    /// The triangle `u, v >= 0`, `u + v <= 1`: 10 control points by exponents of (1 - u - v, u, v), in the order of
+    /// [`EXPONENTS`].
+    Triangle,
+}
+
+/// Exponents of the control points of a triangle.
+pub const EXPONENTS: [[usize; 3]; 10] = [
+    [3, 0, 0],
+    [2, 1, 0],
+    [2, 0, 1],
+    [1, 2, 0],
+    [1, 1, 1],
+    [1, 0, 2],
+    [0, 3, 0],
+    [0, 2, 1],
+    [0, 1, 2],
+    [0, 0, 3],
+];
+
+/// Values of all basis functions and their derivatives: `[B, B_u, B_v, B_uu, B_uv, B_vv]`.
+pub type Basis = [[f64; POINTS]; 6];
+
+impl Form {
+    /// Number of control points.
+    #[must_use]
+    pub fn points(self) -> usize {
+        match self {
+            Self::Square => 16,
+            Self::Triangle => 10,
+        }
+    }
+
+    /// Parameters that a control point stands for.
+    #[must_use]
+    pub fn place(self, point: usize) -> [f64; 2] {
+        match self {
+            Self::Square => [(point / 4) as f64 / 3.0, (point % 4) as f64 / 3.0],
+            Self::Triangle => {
+                let [_, j, k] = EXPONENTS[point];
+                [j as f64 / 3.0, k as f64 / 3.0]
+            }
+        }
+    }
+
+    /// Bounds `n.x >= c` of the domain, by the normals n and c; the sides follow each other around it.
+    fn bounds(self) -> &'static [([f64; 2], f64)] {
+        match self {
+            Self::Square => {
+                &[([0.0, 1.0], 0.0), ([-1.0, 0.0], -1.0), ([0.0, -1.0], -1.0), ([1.0, 0.0], 0.0)]
+            }
+            Self::Triangle => &[([0.0, 1.0], 0.0), ([-1.0, -1.0], -1.0), ([1.0, 0.0], 0.0)],
+        }
+    }
+
+    /// The basis functions at a place.
+    #[must_use]
+    pub fn basis(self, [u, v]: [f64; 2]) -> Basis {
+        let mut out = [[0.0; POINTS]; 6];
+        match self {
+            Self::Square => {
+                let (a, b) = (bernstein(u), bernstein(v));
+                for i in 0..4 {
+                    for j in 0..4 {
+                        let k = 4 * i + j;
+                        out[0][k] = a[0][i] * b[0][j];
+                        out[1][k] = a[1][i] * b[0][j];
+                        out[2][k] = a[0][i] * b[1][j];
+                        out[3][k] = a[2][i] * b[0][j];
+                        out[4][k] = a[1][i] * b[1][j];
+                        out[5][k] = a[0][i] * b[2][j];
+                    }
+                }
+            }
+            Self::Triangle => {
+                let power = |x: f64| {
+                    [
+                        [1.0, x, x * x, x * x * x],
+                        [0.0, 1.0, 2.0 * x, 3.0 * x * x],
+                        [0.0, 0.0, 2.0, 6.0 * x],
+                    ]
+                };
+                let x = [1.0 - u - v, u, v].map(power);
+                for (k, e) in EXPONENTS.iter().enumerate() {
+                    const FACTORIAL: [f64; 4] = [1.0, 1.0, 2.0, 6.0];
+                    let c = 6.0 / e.map(|e| FACTORIAL[e]).iter().product::<f64>();
+                    // By how many derivatives of each of the three coordinates.
+                    let d = |n: [usize; 3]| c * (0..3).map(|i| x[i][n[i]][e[i]]).product::<f64>();
+                    let (w, by_u, by_v) = (d([1, 0, 0]), d([0, 1, 0]), d([0, 0, 1]));
+                    let (ww, wu, wv) = (d([2, 0, 0]), d([1, 1, 0]), d([1, 0, 1]));
+                    out[0][k] = d([0, 0, 0]);
+                    out[1][k] = by_u - w;
+                    out[2][k] = by_v - w;
+                    out[3][k] = d([0, 2, 0]) - 2.0 * wu + ww;
+                    out[4][k] = d([0, 1, 1]) - wu - wv + ww;
+                    out[5][k] = d([0, 0, 2]) - 2.0 * wv + ww;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Cubic Bernstein polynomials and two derivatives.
+fn bernstein(x: f64) -> [[f64; 4]; 3] {
+    let y = 1.0 - x;
+    [
+        [y * y * y, 3.0 * x * y * y, 3.0 * x * x * y, x * x * x],
+        [-3.0 * y * y, 3.0 * y * (y - 2.0 * x), 3.0 * x * (2.0 * y - x), 3.0 * x * x],
+        [6.0 * y, 6.0 * (x - 2.0 * y), 6.0 * (y - 2.0 * x), 6.0 * x],
+    ]
+}
+
+/// Position and derivatives of a patch at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet {
+    /// r.
+    pub r: Vector3<f64>,
+    /// r_u, r_v.
+    pub slopes: [Vector3<f64>; 2],
+    /// r_uu, r_uv, r_vv.
+    pub bends: [Vector3<f64>; 3],
+}
+
+impl Jet {
+    /// Unit normal `r_u x r_v`.
+    #[must_use]
+    pub fn normal(&self) -> Vector3<f64> {
+        let n = self.slopes[0].cross(&self.slopes[1]);
+        n.try_normalize(0.0).unwrap_or_else(Vector3::z)
+    }
+
+    /// `r_ab`.
+    #[must_use]
+    pub fn bend(&self, a: usize, b: usize) -> Vector3<f64> {
+        self.bends[a + b]
+    }
+}
+
+/// Where the nearest point may slide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feature {
+    /// It lies inside, or looks straight up from a side.
+    Inside,
+    /// Along a side, by its number.
+    Side(usize),
+    /// It is a corner, where this side and the one before meet.
+    Corner(usize),
+}
+
+/// The nearest point of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Parameters (u, v).
+    pub at: [f64; 2],
+    /// Where it may slide.
+    pub feature: Feature,
+    /// There.
+    pub jet: Jet,
+    /// Square of the distance [m^2].
+    pub square: f64,
+}
+
+/// A patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Net {
+    form: Form,
+    points: [Vector3<f64>; POINTS],
+}
+
+/// Turns of the iteration; it takes three to six.
+const TURNS: usize = 60;
+/// Step in the parameters whose square is rounding.
+const LAST: f64 = 1e-7;
+/// Distance from a bound that is none.
+const ON: f64 = 1e-12;
+/// Cosine of what counts as a right angle at a side.
+const UPRIGHT: f64 = 1e-9;
+
+/// Direction along a side in the parameters.
+#[must_use]
+pub fn along(form: Form, side: usize) -> [f64; 2] {
+    let ([x, y], _) = form.bounds()[side];
+    [y, -x]
+}
+
+impl Net {
+    /// The patch of a form with these control points.
+    #[must_use]
+    pub fn new(form: Form, points: [Vector3<f64>; POINTS]) -> Self {
+        Self { form, points }
+    }
+
+    /// What it is a map of.
+    #[must_use]
+    pub fn form(&self) -> Form {
+        self.form
+    }
+
+    /// Control points: the patch lies in their hull.
+    #[must_use]
+    pub fn points(&self) -> &[Vector3<f64>] {
+        &self.points[..self.form.points()]
+    }
+
+    /// A box that holds it.
+    #[must_use]
+    pub fn hull(&self, margin: f64) -> Box3 {
+        let mut hull = Box3 { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        for p in self.points() {
+            for k in 0..3 {
+                hull.low[k] = hull.low[k].min(p[k] - margin);
+                hull.high[k] = hull.high[k].max(p[k] + margin);
+            }
+        }
+        hull
+    }
+
+    /// Position and derivatives at a place.
+    #[must_use]
+    pub fn jet(&self, at: [f64; 2]) -> Jet {
+        let basis = self.form.basis(at);
+        let sum = |k: usize| -> Vector3<f64> {
+            self.points().iter().zip(&basis[k]).map(|(p, w)| p * *w).sum()
+        };
+        Jet { r: sum(0), slopes: [sum(1), sum(2)], bends: [sum(3), sum(4), sum(5)] }
+    }
+
+    /// The point nearest to `p`, from the control point that is.
+    #[must_use]
+    pub fn nearest(&self, p: Vector3<f64>) -> Nearest {
+        let far = |k: usize| (self.points[k] - p).norm_squared();
+        let start = (0..self.form.points()).min_by(|&a, &b| far(a).total_cmp(&far(b)));
+        self.nearest_from(p, self.form.place(start.unwrap_or(0)))
+    }
+
+    /// The point nearest to `p` near a place.
+    #[must_use]
+    pub fn nearest_from(&self, p: Vector3<f64>, start: [f64; 2]) -> Nearest {
+        let mut x = Vector2::from(start);
+        let mut jet = self.jet(start);
+        let mut square = (p - jet.r).norm_squared();
+        for _ in 0..TURNS {
+            let d = p - jet.r;
+            let gradient = Vector2::from_fn(|a, _| -d.dot(&jet.slopes[a]));
+            let held = self.held(x, gradient, &jet, d.norm());
+            let Some(step) = self.step(x, gradient, &jet, d, held) else { break };
+            let size = step.amax();
+            let (mut part, mut better) = (1.0, None);
+            for _ in 0..30 {
+                let to = self.inside(x + step * part);
+                let there = self.jet(to.into());
+                let far = (p - there.r).norm_squared();
+                // The last step is below what rounding lets the distance show.
+                if far <= square || size * part < LAST {
+                    better = Some((to, there, far));
+                    break;
+                }
+                part *= 0.5;
+            }
+            let Some((to, there, far)) = better else { break };
+            let moved = (to - x).amax();
+            (x, jet, square) = (to, there, far);
+            if moved < LAST {
+                break;
+            }
+        }
+        let d = p - jet.r;
+        let gradient = Vector2::from_fn(|a, _| -d.dot(&jet.slopes[a]));
+        let feature = match self.held(x, gradient, &jet, d.norm()) {
+            [None, _] => Feature::Inside,
+            [Some(side), None] => Feature::Side(side),
+            [Some(one), Some(other)] => {
+                // Sides follow each other; the corner is where the later one begins.
+                let n = self.form.bounds().len();
+                Feature::Corner(if (one + 1) % n == other { other } else { one })
+            }
+        };
+        Nearest { at: x.into(), feature, jet, square }
+    }
+
+    /// Takes a place back into the domain.
+    fn inside(&self, mut x: Vector2<f64>) -> Vector2<f64> {
+        x = x.map(|x| x.clamp(0.0, 1.0));
+        if self.form == Form::Triangle && x.x + x.y > 1.0 {
+            let half = 0.5 * (x.x + x.y - 1.0);
+            x = (x - Vector2::repeat(half)).map(|x| x.clamp(0.0, 1.0));
+            x.y = x.y.min(1.0 - x.x);
+        }
+        x
+    }
+
+    /// Sides that hold back what wants to leave, at most two.
+    fn held(&self, x: Vector2<f64>, g: Vector2<f64>, jet: &Jet, far: f64) -> [Option<usize>; 2] {
+        let mut out = [None; 2];
+        let size = jet.slopes[0].norm() + jet.slopes[1].norm();
+        let slack = size * (UPRIGHT * far + 1e-14 * size);
+        let at: Vec2Sides = self.sides_at(x);
+        for &side in at.iter().flatten() {
+            let (n, _) = self.form.bounds()[side];
+            let pull = g.dot(&Vector2::from(n));
+            if pull > slack {
+                match out {
+                    [None, _] => out[0] = Some(side),
+                    [Some(_), None] => out[1] = Some(side),
+                    _ => {}
+                }
+            }
+        }
+        // In the sharp corners of a triangle one side may hold what slides along the other.
+        if let ([Some(side), None], [Some(a), Some(b)]) = (out, at) {
+            let e = Vector2::from(along(self.form, side));
+            let other = if a == side { b } else { a };
+            let (n, _) = self.form.bounds()[other];
+            let way = -g.dot(&e);
+            if way * e.dot(&Vector2::from(n)) < 0.0 && way.abs() > slack {
+                out[1] = Some(other);
+            }
+        }
+        out
+    }
+
+    fn sides_at(&self, x: Vector2<f64>) -> Vec2Sides {
+        let mut out = [None; 2];
+        for (side, (n, c)) in self.form.bounds().iter().enumerate() {
+            if x.dot(&Vector2::from(*n)) - c <= ON {
+                if out[0].is_none() {
+                    out[0] = Some(side);
+                } else {
+                    out[1] = Some(side);
+                }
+            }
+        }
+        out
+    }
+
+    /// Newton's step, along a side where one holds; none in a corner or at the end.
+    fn step(
+        &self,
+        x: Vector2<f64>,
+        g: Vector2<f64>,
+        jet: &Jet,
+        d: Vector3<f64>,
+        held: [Option<usize>; 2],
+    ) -> Option<Vector2<f64>> {
+        let metric = Matrix2::from_fn(|a, b| jet.slopes[a].dot(&jet.slopes[b]));
+        let full = metric - Matrix2::from_fn(|a, b| d.dot(&jet.bend(a, b)));
+        let sliding = |side: usize| {
+            let e = Vector2::from(along(self.form, side));
+            let (stiff, safe) = (e.dot(&(full * e)), e.dot(&(metric * e)));
+            let stiff = if stiff > 1e-3 * safe { stiff } else { safe };
+            if stiff > 0.0 { e * (-g.dot(&e) / stiff) } else { Vector2::zeros() }
+        };
+        let step = match held {
+            [Some(_), Some(_)] => return None,
+            [Some(side), None] => sliding(side),
+            _ => {
+                let convex = |m: &Matrix2<f64>| {
+                    m.trace() > 0.0 && m.determinant() > 1e-6 * metric.determinant()
+                };
+                let matrix = if convex(&full) { full } else { metric };
+                let slack = 1e-12 * metric.trace();
+                let step = matrix.try_inverse().unwrap_or_else(|| {
+                    Matrix2::from_diagonal_element(
+                        1.0 / (metric.trace() + slack + f64::MIN_POSITIVE),
+                    )
+                }) * -g;
+                // A step that a side bars at once goes along it, or straight down.
+                let barred = self.sides_at(x).into_iter().flatten().find(|&side| {
+                    step.dot(&Vector2::from(self.form.bounds()[side].0)) < -LAST * step.amax()
+                });
+                match barred {
+                    None => step,
+                    Some(side) => {
+                        let along = sliding(side);
+                        let down = g / -(metric.trace() + f64::MIN_POSITIVE);
+                        if along.amax() > down.amax() { along } else { down }
+                    }
+                }
+            }
+        };
+        (step.amax() > 1e-15).then_some(step)
+    }
+}
+
+type Vec2Sides = [Option<usize>; 2];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn net(form: Form, numbers: &[f64], wild: f64) -> Net {
+        let mut points = [Vector3::zeros(); POINTS];
+        for (k, p) in points.iter_mut().enumerate().take(form.points()) {
+            let [u, v] = form.place(k);
+            *p = Vector3::new(u, v, 0.0)
+                + Vector3::from_fn(|c, _| wild * numbers[(3 * k + c) % numbers.len()]);
+        }
+        Net::new(form, points)
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_are_those_of_the_place(at in prop::array::uniform2(0.05..0.45_f64), numbers in prop::collection::vec(-1.0..1.0_f64, 48)) {
+            for form in [Form::Square, Form::Triangle] {
+                let net = net(form, &numbers, 0.5);
+                let (e, here) = (1e-5, net.jet(at));
+                let shifted = |a: usize, by: f64| { let mut x = at; x[a] += by; net.jet(x) };
+                for a in 0..2 {
+                    let (up, down) = (shifted(a, e), shifted(a, -e));
+                    // Second order in e of cubics, and rounding over e.
+                    prop_assert!(((up.r - down.r) / (2.0 * e) - here.slopes[a]).norm() < 1e-8);
+                    for b in 0..2 {
+                        let bend = (up.slopes[b] - down.slopes[b]) / (2.0 * e);
+                        prop_assert!((bend - here.bend(a, b)).norm() < 1e-7);
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn no_sample_is_nearer(numbers in prop::collection::vec(-1.0..1.0_f64, 48), p in prop::array::uniform3(-0.7..1.7_f64)) {
+            for form in [Form::Square, Form::Triangle] {
+                // Faces that turn by some tens of degrees, and places nearer than the radius of curvature.
+                let net = net(form, &numbers, 0.06);
+                let p = Vector3::new(p[0], p[1], 0.25 * p[2] - 0.1);
+                let found = net.nearest(p);
+                let n = 60;
+                for i in 0..=n {
+                    for j in 0..=n {
+                        let at = [i as f64 / f64::from(n), j as f64 / f64::from(n)];
+                        if form == Form::Triangle && at[0] + at[1] > 1.0 { continue; }
+                        let square = (net.jet(at).r - p).norm_squared();
+                        prop_assert!(found.square <= square + 1e-12, "{form:?} {found:?} {at:?} {square}");
+                    }
+                }
+                let d = p - found.jet.r;
+                match found.feature {
+                    Feature::Inside => for slope in found.jet.slopes {
+                        prop_assert!(d.dot(&slope).abs() < 2e-9 * (1.0 + d.norm()), "{found:?}");
+                    },
+                    Feature::Side(side) => {
+                        let e = along(form, side);
+                        let t = found.jet.slopes[0] * e[0] + found.jet.slopes[1] * e[1];
+                        prop_assert!(d.dot(&t).abs() < 1e-9, "{found:?}");
+                    }
+                    Feature::Corner(_) => {}
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn corners_have_the_number_of_the_side_that_begins_there() {
+        let numbers = [0.0];
+        let square = net(Form::Square, &numbers, 0.0);
+        let triangle = net(Form::Triangle, &numbers, 0.0);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        for (k, c) in corners.iter().enumerate() {
+            let out = Vector3::new(3.0 * c[0] - 1.0, 3.0 * c[1] - 1.0, 0.1);
+            assert_eq!(square.nearest(out).feature, Feature::Corner(k));
+        }
+        for (k, c) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].iter().enumerate() {
+            let out = Vector3::new(5.0 * c[0] - 1.0, 5.0 * c[1] - 1.0, 0.1);
+            assert_eq!(triangle.nearest(out).feature, Feature::Corner(k));
+        }
+        let beside = [(0, [0.5, -1.0]), (1, [2.0, 0.5]), (2, [0.5, 2.0]), (3, [-1.0, 0.5])];
+        for (side, [x, y]) in beside {
+            assert_eq!(square.nearest(Vector3::new(x, y, 0.2)).feature, Feature::Side(side));
+        }
+        // Straight above a side there is nothing to hold.
+        assert_eq!(square.nearest(Vector3::new(0.5, 0.0, 0.2)).feature, Feature::Inside);
+    }
+}

@@ -1,0 +1,505 @@
+//! Probes on surfaces: which faces are near, where the feet lie, and from which side each probe has come.
+//!
+//! A surface has two sides, and nothing in its distance says which a probe belongs to. It is the one on which it was at the
+//! last accepted step: above or below the material point that it faces now, or where that is askew, its foot of then. So
+//! a thin sheet is not passed through, however far a step would carry; a probe accepted beyond the mid-surface keeps
+//! its side in [`Crossed`].
+
+use super::find::{Blend, Ground, Mark, Meets, Touch, carried, points};
+use super::memory::Crossed;
+use super::skin::{self, Posed, Skin, Spot, holds};
+use super::{Facing, Probes, Side};
+use crate::contact_coupling::Segment;
+use nalgebra::Vector3;
+use pliant_contact::broad_phase::{Box3, pairs};
+use pliant_contact::foot::Foot;
+use pliant_contact::net::Feature;
+use pliant_contact::probe::Slave;
+use pliant_contact::zones::{Bounds, zones};
+
+/// Cosine of the angle between normals below which two feet are those of one place.
+const ONE: f64 = 0.866;
+/// Cosine between normals of two faces above which they are not folded on each other.
+const UNFOLDED: f64 = 0.2;
+/// Gauss points of a zone and their weights.
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+/// Scratch of the search, and what it must know of the last accepted step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Onto {
+    /// Coordinates of the last accepted step; empty: sides are what they look like.
+    pub was: Vec<f64>,
+    pub crossed: Vec<Crossed>,
+    now: Vec<Posed>,
+    before: Vec<Posed>,
+    before_at: Vec<f64>,
+    near: Vec<Near>,
+}
+
+/// Faces near the parts of a slave.
+#[derive(Clone, Debug, Default)]
+struct Near {
+    faces: Vec<Vec<usize>>,
+    margin: f64,
+    /// Hulls of slave and master where they were gathered.
+    built: Vec<Vector3<f64>>,
+    built_master: Vec<Vector3<f64>>,
+}
+
+/// Points in whose hull the probes of each part lie, part by part.
+fn hulls(facing: &Facing, posed: &[Posed], probes: &Probes, q: &[f64]) -> Vec<Vec<Vector3<f64>>> {
+    match &facing.slave {
+        Side::Sheet(faces) => {
+            let Some(number) = facing.own_skin else { return Vec::new() };
+            let (skin, posed) = (&probes.skins[number], &posed[number]);
+            let of = |face: usize| {
+                skin.nets_of(face)
+                    .flat_map(|net| posed.nets[net].points().iter().copied())
+                    .collect()
+            };
+            (0..faces.len()).map(of).collect()
+        }
+        Side::Line(line) => line.iter().map(|s| s.piece(q).control().to_vec()).collect(),
+        Side::Mass(terms, _) => vec![vec![at(terms, q)]],
+        Side::Rigid(..) | Side::Rest(..) => {
+            let Some((pose, shape)) = facing.slave.shape(q) else { return Vec::new() };
+            let half = Vector3::from(shape.half_extent());
+            let corner = |i: usize| {
+                let sign = |k: usize| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
+                pose.at(Vector3::from_fn(|k, _| sign(k) * half[k]))
+            };
+            vec![(0..8).map(corner).collect()]
+        }
+    }
+}
+
+fn at(terms: &[(usize, f64)], q: &[f64]) -> Vector3<f64> {
+    terms.iter().map(|&(o, w)| Vector3::new(q[o], q[o + 1], q[o + 2]) * w).sum()
+}
+
+fn flat(posed: &Posed) -> Vec<Vector3<f64>> {
+    posed.nets.iter().flat_map(|net| net.points().iter().copied()).collect()
+}
+
+fn farthest(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).fold(0.0, f64::max).sqrt()
+}
+
+fn sign(x: f64) -> f64 {
+    if x < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// A probe and what there is to know of it.
+struct One<'a> {
+    slave: Slave,
+    p: Vector3<f64>,
+    /// Where it was.
+    was: Option<Vector3<f64>>,
+    radius: f64,
+    weight: f64,
+    part: usize,
+    mark: Mark,
+    blend: Blend,
+    /// Stress-free place on a surface that touches itself.
+    own: Option<Vector3<f64>>,
+    faces: &'a [usize],
+    range: f64,
+}
+
+/// One facing, at hand.
+struct Here<'a> {
+    number: usize,
+    facing: &'a Facing,
+    skin: &'a Skin,
+    now: &'a Posed,
+    before: Option<&'a Posed>,
+    crossed: &'a [Crossed],
+    /// Normals of the faces at some places, where the surface touches itself.
+    normals: Vec<[Vector3<f64>; 5]>,
+}
+
+impl Onto {
+    /// Adds all probes in contact with surfaces at `q`.
+    pub(crate) fn find(&mut self, probes: &Probes, q: &[f64], out: &mut Vec<Touch>) {
+        if probes.skins.is_empty() {
+            return;
+        }
+        self.now = probes.skins.iter().map(|skin| skin.at(q)).collect();
+        if self.was.len() == q.len() {
+            if self.before_at != self.was {
+                self.before = probes.skins.iter().map(|skin| skin.at(&self.was)).collect();
+                self.before_at.clone_from(&self.was);
+            }
+        } else {
+            self.before.clear();
+            self.before_at.clear();
+        }
+        self.near.resize_with(probes.facings.len(), Near::default);
+        for (number, facing) in probes.facings.iter().enumerate() {
+            if let Some(skin) = facing.skin {
+                self.find_on(probes, (number, facing, skin), q, out);
+            }
+        }
+    }
+
+    fn find_on(
+        &mut self,
+        probes: &Probes,
+        (number, facing, master): (usize, &Facing, usize),
+        q: &[f64],
+        out: &mut Vec<Touch>,
+    ) {
+        let skin = &probes.skins[master];
+        let parts = hulls(facing, &self.now, probes, q);
+        let own = parts.concat();
+        let other = flat(&self.now[master]);
+        let reach = facing.reach;
+        let mut travel = 0.0;
+        if !self.before.is_empty() {
+            let was = hulls(facing, &self.before, probes, &self.was).concat();
+            travel = farthest(&own, &was) + farthest(&other, &flat(&self.before[master]));
+        }
+        // Distances along lines are cut off above this.
+        let ahead = match &facing.slave {
+            Side::Line(line) => {
+                let speeds = line.iter().map(|s| s.piece(q).speed_bound());
+                0.5 * speeds.fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        };
+        let range = reach + travel + ahead;
+        let near = &mut self.near[number];
+        let moved = farthest(&own, &near.built) + farthest(&other, &near.built_master);
+        if near.built.len() != own.len() || moved + travel + ahead > near.margin {
+            near.margin = 1.5 * (travel + ahead) + f64::max(0.5 * reach, 0.1 * facing.size);
+            near.faces = gather(&parts, &self.now[master].boxes, reach + near.margin);
+            near.built = own;
+            near.built_master = other;
+        }
+        let mut here = Here {
+            number,
+            facing,
+            skin,
+            now: &self.now[master],
+            before: self.before.get(master),
+            crossed: &self.crossed,
+            normals: Vec::new(),
+        };
+        if facing.own.is_some() {
+            here.look();
+        }
+        let was = (!self.before.is_empty()).then_some(self.was.as_slice());
+        let near = &self.near[number];
+        for (part, hull) in parts.iter().enumerate() {
+            if near.faces[part].is_empty() {
+                continue;
+            }
+            let mut around = Box3 { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+            for p in hull {
+                for k in 0..3 {
+                    around.low[k] = around.low[k].min(p[k] - range);
+                    around.high[k] = around.high[k].max(p[k] + range);
+                }
+            }
+            let faces: Vec<usize> = near.faces[part]
+                .iter()
+                .copied()
+                .filter(|&face| here.now.boxes[face].meets(&around) && here.may_touch(part, face))
+                .collect();
+            if !faces.is_empty() {
+                here.part((part, &faces), (q, was), range, out);
+            }
+        }
+    }
+}
+
+/// Faces whose boxes are within a margin of each part's.
+fn gather(parts: &[Vec<Vector3<f64>>], faces: &[Box3], margin: f64) -> Vec<Vec<usize>> {
+    let hull = |points: &Vec<Vector3<f64>>| {
+        let points: Vec<[f64; 3]> = points.iter().map(|&p| p.into()).collect();
+        Box3::around(&points, margin)
+    };
+    let n = parts.len();
+    let boxes: Vec<Box3> = parts.iter().map(hull).chain(faces.iter().copied()).collect();
+    let mut out = vec![Vec::new(); n];
+    for (i, j) in pairs(&boxes, |i, j| (i as usize) < n && (j as usize) >= n) {
+        out[i as usize].push(j as usize - n);
+    }
+    out
+}
+
+impl Here<'_> {
+    /// Notes the normals of all faces.
+    fn look(&mut self) {
+        let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [1.0, 1.0]];
+        self.normals = (0..self.skin.faces.len())
+            .map(|face| {
+                let nets = self.skin.nets_of(face);
+                let (first, count) = (nets.start, nets.len());
+                std::array::from_fn(|k| {
+                    let net = &self.now.nets[first + k % count];
+                    let last = net.form() != pliant_contact::net::Form::Square && k == 4;
+                    net.jet(if last { [1.0 / 3.0; 2] } else { places[k] }).normal()
+                })
+            })
+            .collect();
+    }
+
+    /// Whether a face may touch a part: of the same surface one near it only where the two are folded.
+    fn may_touch(&self, part: usize, face: usize) -> bool {
+        let Some(own) = &self.facing.own else { return true };
+        if part == face {
+            return false;
+        }
+        own.near[part].binary_search(&face).is_err()
+            || self.normals[part]
+                .iter()
+                .any(|a| self.normals[face].iter().any(|b| a.dot(b) < UNFOLDED))
+    }
+
+    fn part(
+        &self,
+        (part, faces): (usize, &[usize]),
+        (q, was): (&[f64], Option<&[f64]>),
+        range: f64,
+        out: &mut Vec<Touch>,
+    ) {
+        let facing = self.facing;
+        match &facing.slave {
+            Side::Sheet(own) => {
+                let face = &own[part];
+                for (k, &(_, area)) in face.rule.iter().enumerate() {
+                    let one = One {
+                        slave: Slave::Point,
+                        p: face.probe(k, q),
+                        was: was.map(|was| face.probe(k, was)),
+                        radius: face.radius,
+                        weight: area * facing.share,
+                        part,
+                        mark: Mark::Number((part as u64) << 8 | k as u64),
+                        blend: Blend::Rule(k),
+                        own: facing.own.is_some().then(|| self.skin.places[part][k]),
+                        faces,
+                        range,
+                    };
+                    self.touch(&one, out);
+                }
+            }
+            Side::Line(line) => self.line(&line[part], (part, faces), (q, was), range, out),
+            Side::Mass(terms, radius) => {
+                let one = One {
+                    slave: Slave::Point,
+                    p: at(terms, q),
+                    was: was.map(|was| at(terms, was)),
+                    radius: *radius,
+                    weight: facing.share,
+                    part,
+                    mark: Mark::Number(0),
+                    blend: Blend::Mass,
+                    own: None,
+                    faces,
+                    range,
+                };
+                self.touch(&one, out);
+            }
+            Side::Rigid(..) | Side::Rest(..) => {
+                let Some((pose, shape)) = facing.slave.shape(q) else { return };
+                let before = was.and_then(|was| facing.slave.shape(was));
+                let own = points(shape, Vector3::zeros());
+                for (k, (local, radius)) in own.into_iter().enumerate() {
+                    let one = One {
+                        slave: carried(&facing.slave, pose, local),
+                        p: pose.at(local),
+                        was: before.map(|(before, _)| before.at(local)),
+                        radius,
+                        weight: facing.share,
+                        part,
+                        mark: Mark::Number(k as u64),
+                        blend: Blend::Own,
+                        own: None,
+                        faces,
+                        range,
+                    };
+                    self.touch(&one, out);
+                }
+            }
+        }
+    }
+
+    /// Side of the surface that a point at a foot belongs to, and whether it is on the other.
+    fn side(&self, one: &One<'_>, foot: &skin::Foot) -> f64 {
+        if matches!(foot.spot, Spot::Side(_, true) | Spot::Corner(_, true)) {
+            return 1.0;
+        }
+        let here = sign((one.p - foot.jet.r).dot(&foot.upright));
+        let mut side = here;
+        if let (Some(before), Some(was)) = (self.before, one.was) {
+            let jet = before.nets[foot.net].jet(foot.at);
+            let (d, n) = (was - jet.r, jet.normal());
+            let up = d.dot(&n);
+            if up.abs() >= (d - n * up).norm() {
+                side = sign(up);
+            } else if let Some(then) = self.skin.nearest(before, one.faces, was)
+                && !matches!(then.spot, Spot::Side(_, true) | Spot::Corner(_, true))
+            {
+                side = sign((was - then.jet.r).dot(&then.upright));
+            }
+            if !self.crossed.is_empty() {
+                let place = self.skin.place(foot);
+                let is = |c: &Crossed| {
+                    c.is(self.number as u32, key(&one.mark), place, self.facing.reach)
+                };
+                if self.crossed.iter().any(is) {
+                    side = -side;
+                }
+            }
+        }
+        if foot.spot == Spot::Inside { side } else { side * here }
+    }
+
+    fn excluded(&self, place: Vector3<f64>) -> bool {
+        self.facing.apart.iter().any(|(center, width)| (place - center).norm() < *width)
+    }
+
+    /// A probe before one of its feet.
+    fn before(&self, one: &One<'_>, foot: &skin::Foot) -> Foot {
+        let form = self.now.nets[foot.net].form();
+        let feature = if foot.spot == Spot::Inside { Feature::Inside } else { foot.feature };
+        Foot::new(
+            (one.slave, one.p, one.radius),
+            (foot.jet, self.skin.faces[foot.face].radius),
+            (form, feature),
+            self.side(one, foot),
+            one.weight,
+        )
+    }
+
+    /// All feet of a probe that it may touch, the nearest first, with their stress-free places.
+    fn feet(&self, one: &One<'_>) -> Vec<(skin::Foot, Foot, Vector3<f64>)> {
+        let mut found = Vec::new();
+        self.skin.feet(self.now, one.faces, (one.p, one.range), &mut found);
+        if let (Some(own), Some(x)) = (&self.facing.own, one.own) {
+            let too_near = |face: usize, place: Vector3<f64>| {
+                own.near[one.part].binary_search(&face).is_ok() && (place - x).norm() < own.width
+            };
+            found = found
+                .into_iter()
+                .filter_map(|foot| {
+                    if !too_near(foot.face, self.skin.place(&foot)) {
+                        return Some(foot);
+                    }
+                    let wanted = |place: Vector3<f64>| !too_near(foot.face, place);
+                    self.skin.other_foot(self.now, foot.face, one.p, wanted)
+                })
+                .collect();
+        }
+        found.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
+        let mut kept: Vec<(skin::Foot, Foot, Vector3<f64>)> = Vec::new();
+        for foot in found {
+            let place = self.skin.place(&foot);
+            let reach = 2.0 * self.facing.reach;
+            let probe = self.before(one, &foot);
+            let n = probe.normal();
+            let known = kept.iter().any(|(_, other, there)| {
+                (place - there).norm() < reach && n.dot(&other.normal()) > ONE
+            });
+            if !known && !self.excluded(place) {
+                kept.push((foot, probe, place));
+            }
+        }
+        kept
+    }
+
+    fn touch(&self, one: &One<'_>, out: &mut Vec<Touch>) {
+        if one.weight <= 0.0
+            || !one.faces.iter().any(|&f| holds(&self.now.boxes[f], one.p, one.range))
+        {
+            return;
+        }
+        for (foot, probe, place) in self.feet(one) {
+            if probe.gap() < 0.0 {
+                let weights = self.skin.weights(foot.face, foot.net, foot.at);
+                let ground = Ground { face: foot.face, weights, place };
+                out.push(Touch {
+                    facing: self.number,
+                    part: one.part,
+                    blend: one.blend,
+                    mark: one.mark,
+                    meets: Meets::Face(probe, ground),
+                });
+            }
+        }
+    }
+
+    /// Zones of an element of a line, and its free ends.
+    fn line(
+        &self,
+        segment: &Segment,
+        (part, faces): (usize, &[usize]),
+        (q, was): (&[f64], Option<&[f64]>),
+        range: f64,
+        out: &mut Vec<Touch>,
+    ) {
+        let piece = segment.piece(q);
+        let before = was.map(|was| segment.piece(was));
+        let arc = |xi: f64| segment.start + xi * segment.length;
+        let one = |xi: f64, weight: f64, zone: (f64, f64), end: bool| One {
+            slave: Slave::Point,
+            p: piece.at(xi),
+            was: before.map(|before| before.at(xi)),
+            radius: segment.radius,
+            weight: weight * self.facing.share,
+            part,
+            mark: Mark::Along { arc: arc(xi), zone: [arc(zone.0), arc(zone.1)], end },
+            blend: Blend::Line(piece.weights(xi)),
+            own: None,
+            faces,
+            range,
+        };
+        let half = faces.iter().map(|&f| self.skin.faces[f].radius).fold(0.0, f64::max);
+        let most = range - segment.radius - half;
+        let gap = |xi: f64| {
+            let one = one(xi, 1.0, (xi, xi), false);
+            let mut feet = Vec::new();
+            self.skin.feet(self.now, faces, (one.p, range), &mut feet);
+            let gaps = feet
+                .iter()
+                .filter(|foot| {
+                    self.facing.apart.is_empty() || !self.excluded(self.skin.place(foot))
+                })
+                .map(|foot| self.before(&one, foot).gap());
+            gaps.fold(most, f64::min)
+        };
+        let bounds = Bounds {
+            speed: piece.speed_bound(),
+            bend: piece.bend_bound(),
+            reach: segment.radius + half,
+            floor: 1e-3 * segment.radius,
+            single: 0.25 * segment.radius,
+        };
+        for zone in zones(gap, (0.0, 1.0), &bounds) {
+            let width = zone.1 - zone.0;
+            for (place, w) in GAUSS {
+                let xi = zone.0 + place * width;
+                self.touch(&one(xi, w * width * segment.length, zone, false), out);
+            }
+        }
+        for xi in [0.0, 1.0] {
+            if segment.free[xi as usize] {
+                self.touch(&one(xi, segment.radius, (xi, xi), true), out);
+            }
+        }
+    }
+}
+
+/// Number by which a probe is known among those that have crossed a surface.
+pub(crate) fn key(mark: &Mark) -> f64 {
+    match *mark {
+        Mark::Number(id) => id as f64,
+        Mark::Along { arc, .. } => arc,
+    }
+}
