@@ -329,7 +329,7 @@ def arc(body: LineBody, point: Point) -> float:
 
 
 def knots(body: LineBody) -> list[tuple[float, float]]:
-    """Pairs of arc lengths at which strands of one body meet, other than one after the other."""
+    """Pairs of arc lengths at which strands of one body meet; at a corner both are the same."""
     ends: dict[int, list[float]] = {}
     node, start = 0, 0.0
     element = 0
@@ -343,8 +343,8 @@ def knots(body: LineBody) -> list[tuple[float, float]]:
     pairs = [
         (one, other)
         for places in ends.values()
-        for one in places
-        for other in places
-        if one is not other and one != other
+        for i, one in enumerate(places)
+        for j, other in enumerate(places)
+        if i != j
     ]
     return sorted(set(pairs))

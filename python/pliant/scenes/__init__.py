@@ -14,10 +14,13 @@ from pliant.scenes.folded_chain import folded_chain
 from pliant.scenes.friction_rig import friction_rig
 from pliant.scenes.galloping_line import galloping_line
 from pliant.scenes.hanging_chain import hanging_chain
+from pliant.scenes.knot_tightening import knot_tightening, loop_radius, loose_knot
 from pliant.scenes.pendulum_winch import pendulum_winch
 from pliant.scenes.quadruped import quadruped
+from pliant.scenes.rope_coiling import rope_coiling, steady_coil
 from pliant.scenes.scene import Expected, Scene, energy_drift
 from pliant.scenes.solar_sail import SailSizes, solar_sail
+from pliant.scenes.topology import centre_line, knot_determinant, linking_number, nearest_approach
 
 __all__ = [
     "SCENES",
@@ -29,6 +32,7 @@ __all__ = [
     "cable_slap",
     "capstan",
     "catheter",
+    "centre_line",
     "drop_test",
     "elastic_catenary",
     "energy_drift",
@@ -38,11 +42,19 @@ __all__ = [
     "galloping_line",
     "hanging_chain",
     "helical_force",
+    "knot_determinant",
+    "knot_tightening",
+    "linking_number",
     "loaded_catenary",
+    "loop_radius",
+    "loose_knot",
+    "nearest_approach",
     "pendulum_winch",
     "quadruped",
+    "rope_coiling",
     "sinusoidal_force",
     "solar_sail",
+    "steady_coil",
     "stopping_tension",
     "string_and_post",
 ]
@@ -62,6 +74,8 @@ SCENES: dict[str, Callable[..., Scene]] = {
         cable_slap,
         catheter,
         friction_rig,
+        knot_tightening,
+        rope_coiling,
         quadruped,
         solar_sail,
     )
