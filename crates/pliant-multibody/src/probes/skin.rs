@@ -91,8 +91,12 @@ fn apart(hull: &Box3, p: Vector3<f64>) -> f64 {
     (0..3).map(|k| out(k).powi(2)).sum()
 }
 
-/// Places of the element's parameters that the control points of each of its nets stand for, and their sides.
-fn layout(kind: SurfaceKind) -> Vec<(Form, Vec<[f64; 2]>, [Option<usize>; 4])> {
+/// A net of an element: its form, the places in the element's parameters that its control points stand for, and which
+/// side of the face each of its sides is, if any.
+type Layout = (Form, Vec<[f64; 2]>, [Option<usize>; 4]);
+
+/// The nets that make up an element.
+fn layout(kind: SurfaceKind) -> Vec<Layout> {
     let all = |form: Form| (0..form.points()).map(|k| form.place(k)).collect::<Vec<_>>();
     match kind {
         SurfaceKind::Triangle => {
