@@ -92,7 +92,7 @@ class ContactForces(Forces):
         if contact.name not in lines:
             return contact.a
         slave = self._lowered.document["contacts"][k]["slave"]
-        return contact.a if self._lowered.cables.get(contact.a) == slave else contact.b
+        return contact.a if self._lowered.line(contact.a) == slave else contact.b
 
     def _contact_totals(self, a: Any, b: Any, first: int) -> FloatArray:
         on, by = self._partner(a, "a"), None if b is None else self._partner(b, "b")

@@ -283,6 +283,7 @@ class _Lowering(Sharing):
             **arrays,
             "q": self._array(empty if start is body.reference else start),
             "v": self._array(body.v if body.v.any() else empty),
+            "radius": self._array(body.radius),
             **{name: getattr(body, name) for name in numbers},
         }
 
@@ -452,15 +453,16 @@ class _Lowering(Sharing):
         return is_of_lines(a, b)
 
     def _contact(self, contact: ContactData) -> Json:
-        """Write a contact; the cable of the finer mesh carries the points."""
-        a = self.lines[contact.a]
-        other = self.lines.get(contact.b)
+        """Write a contact; the line of the finer mesh carries the points."""
+        lines: dict[str, LineBody | BeamBody] = {**self.lines, **self.beams}
+        a = lines[contact.a]
+        other = lines.get(contact.b)
         slave, master = a, other
         if other is not None and other is not a and other.lengths.mean() < a.lengths.mean():
             slave, master = other, a
         document: Json = {
             "name": contact.name,
-            "slave": self.lowered.cables[slave.name],
+            "slave": self.lowered.line(slave.name),
             **contact.laws([slave] if master is None or master is slave else [slave, master]),
             # Closer than half a turn of the tightest bend a line cannot meet itself.
             "window": 1.05 * np.pi * float(slave.radius.max()) if master is slave else 0.0,
@@ -469,10 +471,12 @@ class _Lowering(Sharing):
         if master is None:
             document["master"] = self.model._obstacles[contact.b].document()
         else:
-            document["master"] = {"kind": "line", "cable": self.lowered.cables[master.name]}
+            document["master"] = {"kind": "line", "line": self.lowered.line(master.name)}
         return document
 
-    def _apart(self, contact: ContactData, slave: LineBody, master: LineBody | None) -> Any:
+    def _apart(
+        self, contact: ContactData, slave: LineBody | BeamBody, master: LineBody | BeamBody | None
+    ) -> Any:
         """Arc lengths on both sides of what joins them, and how far around nothing touches, (k, 3)."""
         rows: list[tuple[float, float, float]] = []
         if master is None:
@@ -480,13 +484,14 @@ class _Lowering(Sharing):
         width = 3.0 * float(slave.radius.max() + master.radius.max())
         for joint in self.model._joints.values():
             given = (getattr(joint, "a", None), getattr(joint, "b", None))
-            ends = [p for p in given if isinstance(p, Point) and p.body in self.lines]
-            places = {p.body: arc(self.lines[p.body], p) for p in ends}
+            sides = {side.name: side for side in (slave, master)}
+            ends = [p for p in given if isinstance(p, Point) and p.body in sides]
+            places = {p.body: arc(sides[p.body], p) for p in ends}
             if slave is not master and {slave.name, master.name} == set(places):
                 rows.append((places[slave.name], places[master.name], width))
             elif slave is master and len(ends) == 2 and set(places) == {slave.name}:
                 rows.append((arc(slave, ends[0]), arc(slave, ends[1]), width))
-        if slave is master:
+        if slave is master and isinstance(slave, LineBody):
             rows += [(one, other, width) for one, other in knots(slave)]
         return rows
 

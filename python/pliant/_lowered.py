@@ -118,6 +118,11 @@ class Lowered:
         """Names of the bodies that have coordinates."""
         return [*self.cables, *self.shared, *self.rigid, *self.surfaces, *self.beams]
 
+    def line(self, name: str) -> int:
+        """Count a cable or beam among the lines that touch: cables first, then beams."""
+        number = self.cables.get(name)
+        return len(self.cables) + self.beams[name] if number is None else number
+
     @property
     def held_values(self) -> FloatArray:
         """Initial values of all inputs, one after the other."""

@@ -1,4 +1,4 @@
-"""Contacts other than of cables among themselves: which pairs there are, and how the core reads them."""
+"""Contacts other than of lines among themselves: which pairs there are, and how the core reads them."""
 
 from __future__ import annotations
 
@@ -42,6 +42,9 @@ bend."""
 NEIGHBOURHOOD = 3.0
 """How far around a joint nothing touches, over what the two sides reach together."""
 
+LINES = (LineBody, BeamBody)
+"""What touches along its centre line."""
+
 Side = Body | ObstacleData
 
 
@@ -65,28 +68,28 @@ def why_not(a: Side, b: Side) -> str | None:
     for side in (a, b):
         if isinstance(side, RigidBodyData) and side.shape is None:
             return f"'{side.name}' has no shape: give it one, add_rigid_body(..., shape=pl.Box(...))"
-        if isinstance(side, BeamBody):
-            return "beams do not touch anything yet: take a cable or rigid bodies"
     if isinstance(a, ObstacleData) and isinstance(b, ObstacleData):
         return "two obstacles do not move: one of the two must be a body"
     solid = (RigidBodyData, ObstacleData)
     if a is b and isinstance(a, (RigidBodyData, MassBody)):
         return f"a {kind_of(a)} does not touch itself"
-    if isinstance(a, LineBody) and isinstance(b, LineBody):
+    if isinstance(a, LINES) and isinstance(b, LINES):
         return None
     # A surface is touched by everything that has points.
-    touched = (*solid, SurfaceBody)
+    beam = isinstance(a, BeamBody) or isinstance(b, BeamBody)
+    touched = solid if beam else (*solid, SurfaceBody)
     if isinstance(a, touched) or isinstance(b, touched):
         return None
     return (
         f"contact between a {kind_of(a)} and a {kind_of(b)} is not known: point masses touch obstacles, "
-        "rigid bodies with a shape, shells and membranes; cables these and each other"
+        "rigid bodies with a shape, shells and membranes; cables these and each other; beams cables, each "
+        "other, obstacles and rigid bodies with a shape"
     )
 
 
 def is_of_lines(a: Side, b: Side) -> bool:
-    """Whether two sides touch as lines do: two cables, or a cable and an obstacle."""
-    kinds = (LineBody, ObstacleData)
+    """Whether two sides touch as lines do: two cables or beams, or one of these and an obstacle."""
+    kinds = (*LINES, ObstacleData)
     return isinstance(a, kinds) and isinstance(b, kinds)
 
 
@@ -95,7 +98,7 @@ def document(contact: ContactData, lowering: _Lowering) -> Json:
     model = lowering.model
     sides = [model._bodies.get(name) or model._obstacles[name] for name in (contact.a, contact.b)]
     size = _size(sides)
-    soft = any(isinstance(side, (LineBody, SurfaceBody)) for side in sides)
+    soft = any(isinstance(side, (*LINES, SurfaceBody)) for side in sides)
     return {
         "name": contact.name,
         "a": _side(sides[0], lowering),
@@ -163,8 +166,8 @@ def _reach(side: Side) -> float:
 
 def _side(side: Side, lowering: _Lowering) -> Json:
     lowered = lowering.lowered
-    if isinstance(side, LineBody):
-        return {"side": "line", "cable": lowered.cables[side.name]}
+    if isinstance(side, LINES):
+        return {"side": "line", "line": lowered.line(side.name)}
     if isinstance(side, SurfaceBody):
         return {"side": "surface", "surface": lowered.surfaces[side.name]}
     if isinstance(side, RigidBodyData):
@@ -181,9 +184,9 @@ def _side(side: Side, lowering: _Lowering) -> Json:
 def _size(sides: list[Side]) -> float:
     """Length by which penetration and bristles are measured: thickness, or the least of the radii [m]."""
     sizes = []
-    for thin in (LineBody, SurfaceBody):
+    for thin in (LINES, (SurfaceBody,)):
         widths = [
-            float((side.radius if isinstance(side, LineBody) else side.thickness).min())
+            float((side.thickness if isinstance(side, SurfaceBody) else side.radius).min())
             for side in sides
             if isinstance(side, thin)
         ]
@@ -210,7 +213,7 @@ def _stiffness(contact: ContactData, sides: list[Side], size: float, gravity: fl
     """
     if contact.stiffness is not None:
         return contact.stiffness
-    lines = [side for side in sides if isinstance(side, LineBody)]
+    lines = [side for side in sides if isinstance(side, LINES)]
     surfaces = [side for side in sides if isinstance(side, SurfaceBody)]
     if lines:
         moduli = [effective_modulus(side) for side in lines] + [side.youngs_modulus for side in surfaces]

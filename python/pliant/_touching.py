@@ -9,8 +9,7 @@ import numpy as np
 
 from pliant import _check
 from pliant._actuation import Actuation
-from pliant._sides import why_not
-from pliant.bodies import LineBody
+from pliant._sides import LINES, why_not
 from pliant.contacts import Bore, ContactData, HalfSpace, ObstacleData, TriangleMesh
 from pliant.points import Contact, Handle, Obstacle, require_handle
 from pliant.shapes import Shape
@@ -89,17 +88,19 @@ class Touching(Actuation):
 
         Parameters
         ----------
-        a : Cable, CableNet, Shell, Membrane, RigidBody or PointMass
+        a : Cable, CableNet, Beam, Shell, Membrane, RigidBody or PointMass
             A body; a rigid body must have a shape.
         b : body or Obstacle, optional
-            The other; None: ``a`` itself, a cable, shell or membrane. Cables, shells and membranes touch each
-            other, obstacles and rigid bodies; point masses all of these but cables.
+            The other; None: ``a`` itself, a cable, beam, shell or membrane. Cables, shells and membranes
+            touch each other, obstacles and rigid bodies; beams cables, each other, obstacles and rigid
+            bodies; point masses obstacles, rigid bodies, shells and membranes. Friction turns a beam about
+            its line; a cable cannot twist.
         stiffness : float, optional
-            Force per penetration: per length of a cable [N/m^2], per area of a shell or membrane [N/m^3],
-            at a point of a rigid body or mass [N/m]. None: of cables, also on surfaces, as stiff as two round
-            bars of these materials that cross; of surfaces E/t, a layer of the material; of a mass on a
-            surface as stiff as the layer under it; of rigid bodies such that the lighter one sinks in by a
-            thousandth of its size under its weight.
+            Force per penetration: per length of a cable or beam [N/m^2], per area of a shell or membrane
+            [N/m^3], at a point of a rigid body or mass [N/m]. None: of lines, also on surfaces, as stiff as
+            two round bars of these materials that cross; of surfaces E/t, a layer of the material; of a mass
+            on a surface as stiff as the layer under it; of rigid bodies such that the lighter one sinks in by
+            a thousandth of its size under its weight.
         damping : float, optional
             Hunt-Crossley [s/m]: the force times 1 + damping x approach speed, never pulling; None: 3.
         friction : LuGre or Coulomb, optional
@@ -145,7 +146,7 @@ class Touching(Actuation):
         damping: float | None = None,
         friction: Any = None,
     ) -> list[Contact]:
-        """Let all of these bodies touch each other, cables also themselves, and the obstacles among them.
+        """Let all of these bodies touch each other, lines also themselves, and the obstacles among them.
 
         Shells and membranes touch themselves where :meth:`add_contact` says so: that costs a search.
 
@@ -181,7 +182,7 @@ class Touching(Actuation):
             for k, one in enumerate(items)
             for other in items[k:]
             if not (isinstance(one, Obstacle) and isinstance(other, Obstacle))
-            and (one is not other or isinstance(self._body(one, "bodies"), LineBody))
+            and (one is not other or isinstance(self._body(one, "bodies"), LINES))
         ]
         if not pairs:
             _check.fail("bodies", bodies, "must hold a cable, or two that may touch")

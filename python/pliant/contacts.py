@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pliant import _check
+from pliant.beams import BeamBody
 from pliant.bodies import LineBody
 from pliant.curves import Curve
 from pliant.friction import Coulomb, Friction, LuGre
@@ -241,7 +243,7 @@ def shape_document(shape: Shape | HalfSpace | TriangleMesh | Bore) -> Json:
 
 @dataclass(frozen=True)
 class ContactData:
-    """A pair that may touch; ``b`` is ``a`` where a cable touches itself."""
+    """A pair that may touch; ``b`` is ``a`` where a line touches itself."""
 
     name: str
     a: str
@@ -260,8 +262,8 @@ class ContactData:
         if self.friction is not None and not isinstance(self.friction, (LuGre, Coulomb)):
             _check.fail("friction", self.friction, "must be a pliant.LuGre, a pliant.Coulomb or None")
 
-    def laws(self, bodies: list[LineBody]) -> Json:
-        """Numbers of the contact for the cables of it."""
+    def laws(self, bodies: Sequence[LineBody | BeamBody]) -> Json:
+        """Numbers of the contact for the lines of it."""
         radius = min(float(body.radius.min()) for body in bodies)
         modulus = 1.0 / sum((1.0 - POISSON_RATIO**2) / effective_modulus(body) for body in bodies)
         return {
@@ -273,9 +275,13 @@ class ContactData:
         }
 
 
-def effective_modulus(body: LineBody) -> float:
-    """Young's modulus of a round bar with the axial stiffness of a cable [Pa]."""
-    return float(np.mean(body.axial_stiffness) / (np.pi * np.mean(body.radius) ** 2))
+def effective_modulus(body: LineBody | BeamBody) -> float:
+    """Young's modulus of a round bar with the axial stiffness of a line [Pa]."""
+    if isinstance(body, BeamBody):
+        axial = body.youngs_modulus * np.mean(body.mass[..., 0])
+    else:
+        axial = np.mean(body.axial_stiffness)
+    return float(axial / (np.pi * np.mean(body.radius) ** 2))
 
 
 def frame(normal: FloatArray) -> FloatArray:
@@ -323,7 +329,7 @@ def damping_of(stiffness: float) -> float:
     return float(0.1 * 2.0 * np.sqrt(stiffness / STANDARD_GRAVITY))
 
 
-def arc(body: LineBody, point: Point) -> float:
+def arc(body: LineBody | BeamBody, point: Point) -> float:
     """Arc length of a point, counted through all strands of its body [m]."""
     return float(body.lengths[: point.element].sum() + point.xi * body.lengths[point.element])
 

@@ -130,6 +130,19 @@ impl Piece {
         least > 0.0 && self.bend * reach < least * least
     }
 
+    /// A bound of its curvature [1/m], where it turns by less than a right angle: then no two of its points face each
+    /// other, and every point nearer than the radius of curvature has one foot.
+    #[must_use]
+    pub fn curvature_bound(&self) -> Option<f64> {
+        let b = self.control();
+        let legs = [b[1] - b[0], b[2] - b[1], b[3] - b[2]];
+        // Slopes are mixtures of the legs: so are the products of any two of them.
+        let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+        let products = pairs.map(|(i, j): (usize, usize)| 9.0 * legs[i].dot(&legs[j]));
+        let least = products.into_iter().fold(f64::INFINITY, f64::min);
+        (least > 0.0).then(|| self.bend / least)
+    }
+
     /// The xi in [0, 1] where the distance to `q` is least.
     ///
     /// `phi = (r - q).r_xi` is a polynomial of degree five: it has at most as many roots as its Bernstein coefficients

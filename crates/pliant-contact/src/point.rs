@@ -132,6 +132,31 @@ impl Place {
         (stiffness, damping): (f64, f64),
         symmetric: bool,
     ) -> Tangent {
+        self.derivatives(laws, motion, (stiffness, damping), (true, symmetric)).0
+    }
+
+    /// The same of the friction alone, and how both the whole force and the friction change with a displacement of the
+    /// surfaces that leaves the lines where they are.
+    #[must_use]
+    pub fn linearise_friction(
+        &self,
+        laws: &Laws,
+        motion: &Motion<'_>,
+        factors: (f64, f64),
+    ) -> (Tangent, [Matrix3<f64>; 2]) {
+        let (_, whole) = self.derivatives(laws, motion, factors, (true, false));
+        let (tangent, friction) = self.derivatives(laws, motion, factors, (false, false));
+        (tangent, [whole, friction])
+    }
+
+    /// Tangent of the force, `pressed` with its normal part, and its derivative by the relative displacement alone.
+    fn derivatives(
+        &self,
+        laws: &Laws,
+        motion: &Motion<'_>,
+        (stiffness, damping): (f64, f64),
+        (pressed, symmetric): (bool, bool),
+    ) -> (Tangent, Matrix3<f64>) {
         let force = self.force(laws, motion);
         let (pressure, friction) = (force.pressure, force.friction);
         let n = self.n;
@@ -143,8 +168,9 @@ impl Place {
         if !symmetric {
             p_d -= self.hessian * v * pressure.by_rate;
         }
-        let pushed = n + friction.by_normal;
-        let mut by_d = pushed * p_d.transpose() + self.hessian * pressure.p;
+        let part = if pressed { 1.0 } else { 0.0 };
+        let pushed = n * part + friction.by_normal;
+        let mut by_d = pushed * p_d.transpose() + self.hessian * (part * pressure.p);
         let mut by_v = pushed * n.transpose() * -pressure.by_rate;
         let mut by_moved = Matrix3::zeros();
         if laws.friction.is_some() {
@@ -156,8 +182,9 @@ impl Place {
             by_v -= friction.by_end * plane;
             by_moved = friction.by_mean * plane * -inverse_h;
         }
+        let total = if pressed { force.total } else { friction.force };
         let mut tangent = Tangent {
-            force: force.total,
+            force: total,
             by_x: (by_d + by_moved) * stiffness + by_v * damping,
             by_slope: Matrix3::zeros(),
             turned: Matrix3::zeros(),
@@ -182,8 +209,8 @@ impl Place {
             let (across, way) = (slide.slope / slide.c, slide.d / slide.c);
             tangent.by_x -= slid * across.transpose() * stiffness;
             tangent.by_slope = slid * way.transpose() * -stiffness;
-            tangent.turned = force.total * across.transpose() * -stiffness;
-            tangent.turned_slope = force.total * way.transpose() * -stiffness;
+            tangent.turned = total * across.transpose() * -stiffness;
+            tangent.turned_slope = total * way.transpose() * -stiffness;
             let eta = across.dot(&self.along);
             tangent.eta_along = eta;
             d_along += slide.slope * eta;
@@ -191,7 +218,14 @@ impl Place {
             moved_along += moved_slope * eta;
         }
         tangent.along = by_d * d_along + by_v * v_along + by_moved * moved_along;
-        tangent
+        (tangent, by_moved * stiffness + by_v * damping)
+    }
+
+    /// Derivative of `-weight F` by vector `l`, where F has this tangent.
+    #[must_use]
+    pub fn column(&self, tangent: &Tangent, l: usize) -> Matrix3<f64> {
+        let slope = self.slide.and_then(|slide| slide.weights.get(l).copied()).unwrap_or(0.0);
+        (tangent.by_x * self.alpha[l] + tangent.by_slope * slope) * -self.weight
     }
 
     /// Adds the derivative of [`Self::add_force`], as blocks (k, l).
@@ -264,11 +298,12 @@ pub struct Tangent {
     eta_along: f64,
 }
 
-/// An end of a zone, where the gap vanishes: `dxi/dx_l = alpha_l n^T / -(dg/dxi)`.
+/// An end of a zone that moves with the vectors: where the gap vanishes, `dxi/dx_l = alpha_l n^T / -(dg/dxi)`, or where
+/// the slave crosses the plane through an end of the master, `(r_s - r_m).t_m = 0`.
 #[derive(Clone, Copy, Debug)]
 pub struct Verge {
-    alpha: [f64; 8],
-    way: Vector3<f64>,
+    /// `dxi/dx_l`.
+    ways: [Vector3<f64>; 8],
 }
 
 impl Verge {
@@ -277,7 +312,30 @@ impl Verge {
     pub fn at(place: &Place) -> Option<Self> {
         let slope = place.gap_slope();
         (slope.abs() > 1e-9 * place.along.norm())
-            .then(|| Self { alpha: place.alpha, way: place.n / -slope })
+            .then(|| Self { ways: place.alpha.map(|alpha| place.n * (alpha / -slope)) })
+    }
+
+    /// The place of a zone's end on the plane through position and slope of the master's end `end`, 0 or 1, `d` away
+    /// from that position; none where the slave runs along the plane.
+    #[must_use]
+    pub fn on_plane(
+        place: &Place,
+        end: usize,
+        d: Vector3<f64>,
+        slope: Vector3<f64>,
+    ) -> Option<Self> {
+        let rate = place.along.dot(&slope);
+        if rate.abs() <= 1e-9 * place.along.norm() * slope.norm() {
+            return None;
+        }
+        // The slave's weights count as negative.
+        let mut ways = [Vector3::zeros(); 8];
+        for k in 4..8 {
+            ways[k] = slope * (place.alpha[k] / rate);
+        }
+        ways[2 * end] = slope / rate;
+        ways[2 * end + 1] = -d / rate;
+        Some(Self { ways })
     }
 
     /// Adds the derivative of forces that change with the end by `by_end`.
@@ -290,7 +348,7 @@ impl Verge {
     ) {
         for k in 0..8 {
             for l in 0..8 {
-                let block = by_end[k] * (self.way * (factor * self.alpha[l])).transpose();
+                let block = by_end[k] * (self.ways[l] * factor).transpose();
                 if symmetric {
                     out[k][l] += block * 0.5;
                     out[l][k] += block.transpose() * 0.5;

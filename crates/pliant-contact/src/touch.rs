@@ -3,7 +3,7 @@
 use crate::curve::{Piece, sign_changes};
 use crate::point::{Blocks, Laws, Motion, Place, Slide, Verge};
 use crate::shapes::Placed;
-use crate::zones::{Bounds, zones};
+use crate::zones::{Bounds, Convexity, Sample, zones};
 use nalgebra::{Matrix3, Vector3};
 
 /// Gauss points of a zone, and their weights, on [0, 1].
@@ -40,7 +40,8 @@ pub struct Point {
 pub struct Patch {
     /// The zone, between these xi of the slave; a point for a free end.
     pub zone: (f64, f64),
-    /// Its ends where the gap vanishes: they move with the lines, and the points with them.
+    /// Its ends where the gap vanishes, or where the next element of the master takes over: they move with the lines, and
+    /// the points with them.
     pub verges: [Option<Verge>; 2],
     points: [Point; 3],
     count: usize,
@@ -181,17 +182,74 @@ impl Master<'_> {
         }
     }
 
-    /// Whether the two are certainly apart by more than `margin`.
-    fn is_far(&self, slave: &Piece, margin: f64) -> bool {
+    /// The same with its slope by xi of the slave.
+    fn sample(master: &Piece, slave: &Piece, xi: f64) -> Sample {
+        let q = slave.at(xi);
+        let d = master.at(master.nearest(q)) - q;
+        let distance = d.norm();
+        let n = if distance > 0.0 { d / distance } else { Vector3::z() };
+        let gap = distance - slave.radius() - master.radius();
+        Sample { xi, gap, slope: -n.dot(&slave.slope(xi)) }
+    }
+
+    /// A length by which the two are certainly apart, below zero where they may touch.
+    #[must_use]
+    pub fn clearance(&self, slave: &Piece) -> f64 {
+        let balls = self.clearance_of_balls(slave);
+        let Self::Line(master, _) = self else { return balls };
+        let ends = [0.0, 1.0].map(|xi| Self::sample(master, slave, xi));
+        let convexity = self.convexity(slave, &ends);
+        balls.max(convexity.map_or(balls, |c| c.least(&ends[0], &ends[1])))
+    }
+
+    /// That of balls around both.
+    fn clearance_of_balls(&self, slave: &Piece) -> f64 {
         let q = slave.at(0.5);
-        let half = 0.5 * slave.speed_bound() + slave.radius() + margin;
+        let half = 0.5 * slave.speed_bound() + slave.radius();
         match self {
-            Self::Shape(shape) => shape.distance(q).value > half,
+            Self::Shape(shape) => shape.distance(q).value - half,
             Self::Line(master, _) => {
                 let reach = half + 0.5 * master.speed_bound() + master.radius();
-                (master.at(0.5) - q).norm_squared() > reach * reach
+                (master.at(0.5) - q).norm() - reach
             }
         }
+    }
+
+    /// How far from convex the gap is between two places, before a line that bends little beside their distance.
+    fn convexity(&self, slave: &Piece, ends: &[Sample; 2]) -> Option<Convexity> {
+        let Self::Line(master, _) = self else { return None };
+        let kappa = master.curvature_bound()?;
+        let reach = slave.radius() + master.radius();
+        let speed = slave.speed_bound();
+        let [a, b] = ends;
+        let farthest = reach + 0.5 * (a.gap + b.gap + speed * (b.xi - a.xi));
+        let rest = 1.0 - kappa * farthest;
+        (rest > STRAIGHT).then(|| Convexity {
+            sag: speed * speed * kappa / rest + slave.bend_bound(),
+            reach,
+            floor: 1e-3 * slave.radius().min(master.radius()) / speed,
+        })
+    }
+
+    /// Zones in a part of the slave, wherever the feet are.
+    fn zones_in(
+        &self,
+        slave: &Piece,
+        span: (f64, f64),
+        bounds: &Bounds,
+        found: &mut Vec<(f64, f64)>,
+    ) {
+        if let Self::Line(master, _) = self {
+            let ends = [span.0, span.1].map(|xi| Self::sample(master, slave, xi));
+            if let Some(convexity) = self.convexity(slave, &ends) {
+                let mut gap = |xi| Self::sample(master, slave, xi);
+                // Zones of neighbouring spans are not one.
+                let mut here = Vec::new();
+                convexity.zones(&mut gap, &ends[0], &ends[1], &mut here);
+                return found.append(&mut here);
+            }
+        }
+        found.extend(zones(|xi| self.gap(slave, xi), span, bounds));
     }
 
     /// Whether the foot of a point lies on this piece, not on the neighbours of it: inside, or at a round end.
@@ -259,21 +317,22 @@ impl Master<'_> {
     /// the other.
     #[must_use]
     pub fn zones(&self, slave: &Piece) -> Vec<(f64, f64)> {
-        if self.is_far(slave, 0.0) {
-            return Vec::new();
-        }
-        let bounds = self.bounds(slave);
-        let gap = |xi| self.gap(slave, xi);
-        let planes = self.planes(slave);
-        let mut spans = Vec::new();
+        if self.clearance_of_balls(slave) > 0.0 { Vec::new() } else { self.zones_near(slave) }
+    }
+
+    fn zones_near(&self, slave: &Piece) -> Vec<(f64, f64)> {
         let mut found = Vec::new();
+        let bounds = self.bounds(slave);
+        let planes = self.planes(slave);
         let tame = match self {
             Self::Shape(_) => true,
             Self::Line(master, _) => master.is_tame(slave.radius() + master.radius()),
         };
         if !tame {
             // The planes do not say whose a foot is: all of the slave is searched, and the feet decide.
-            for zone in zones(gap, (0.0, 1.0), &bounds) {
+            let mut all = Vec::new();
+            self.zones_in(slave, (0.0, 1.0), &bounds, &mut all);
+            for zone in all {
                 Self::cut(&planes, zone, |xi| self.owns(slave, xi), &mut found);
             }
             return found;
@@ -286,7 +345,8 @@ impl Master<'_> {
             return found;
         }
         if each().all(|(end, p)| all(end, p)) {
-            return zones(gap, (0.0, 1.0), &bounds);
+            self.zones_in(slave, (0.0, 1.0), &bounds, &mut found);
+            return found;
         }
         let inside = |x: f64| {
             let y = 1.0 - x;
@@ -294,9 +354,10 @@ impl Master<'_> {
             let value = |p: &[f64; 4]| (0..4).map(|k| w[k] * p[k]).sum::<f64>();
             each().all(|(end, p)| belongs(end, value(p)))
         };
+        let mut spans = Vec::new();
         Self::cut(&planes, (0.0, 1.0), inside, &mut spans);
         for span in spans {
-            found.extend(zones(gap, span, &bounds));
+            self.zones_in(slave, span, &bounds, &mut found);
         }
         found
     }
@@ -305,10 +366,10 @@ impl Master<'_> {
     /// the slave. That counts as a length of one radius, for a zone under an end that meets the other head-on has
     /// hardly any.
     pub fn touch(&self, slave: &Piece, free: [bool; 2], found: &mut Vec<Patch>) {
-        if self.is_far(slave, 0.0) {
+        if self.clearance_of_balls(slave) > 0.0 {
             return;
         }
-        for zone in self.zones(slave) {
+        for zone in self.zones_near(slave) {
             let width = zone.1 - zone.0;
             let points = GAUSS.map(|(part, w)| {
                 let xi = zone.0 + part * width;
@@ -317,7 +378,18 @@ impl Master<'_> {
             });
             let verges = [zone.0, zone.1].map(|xi| {
                 let (place, _) = self.face(slave, xi, 0.0);
-                (place.gap.abs() < VANISHING * slave.radius()).then(|| Verge::at(&place)).flatten()
+                let small = VANISHING * slave.radius();
+                if place.gap.abs() < small {
+                    return Verge::at(&place);
+                }
+                let Self::Line(master, round) = self else { return None };
+                // The ends of an element stay, planes of the master's move.
+                let inner = xi > 0.0 && xi < 1.0;
+                let ends = (0..2).filter(|&end| inner && !round[end]);
+                let x = master.vectors();
+                let offsets = ends.map(|end| (end, slave.at(xi) - x[2 * end], x[2 * end + 1]));
+                let mut on = offsets.filter(|(_, d, t)| d.dot(t).abs() < small * t.norm());
+                on.next().and_then(|(end, d, t)| Verge::on_plane(&place, end, d, t))
             });
             found.push(Patch { zone, verges, points, count: 3 });
         }
@@ -334,5 +406,7 @@ impl Master<'_> {
     }
 }
 
+/// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
+const STRAIGHT: f64 = 0.2;
 /// Gap at the end of a zone, in radii, that is zero but for rounding.
 const VANISHING: f64 = 1e-6;

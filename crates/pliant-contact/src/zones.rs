@@ -1,5 +1,7 @@
 //! Zones: where along a slave piece the gap is below zero. None is missed.
 //!
+//! Before a line that bends little the gap is convex but for a known rest: see [`Convexity`]. Else and before shapes:
+//!
 //! The distance to any set changes no faster than the point moves, so on an interval whose image is at most `ell`
 //! long `min g >= (g_a + g_b - ell)/2`; and it is semiconcave, `g'' <= M` with `M = v^2/d + |r''|`, so that
 //! `min g >= min(g_a, g_b) - M (b - a)^2/8`. Intervals that can be neither dropped nor accepted are halved.
@@ -82,4 +84,162 @@ fn add(found: &mut Vec<(f64, f64)>, a: f64, b: f64) {
         Some(last) if a <= last.1 => last.1 = b,
         _ => found.push((a, b)),
     }
+}
+
+/// A place along a slave piece, the gap there and its slope by xi.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Its xi.
+    pub xi: f64,
+    /// Gap [m].
+    pub gap: f64,
+    /// `dg/dxi` [m].
+    pub slope: f64,
+}
+
+/// What bounds the gap along a slave piece before a line that bends little: there it is convex but for `sag`.
+///
+/// Nearer than its radius of curvature a curve has one foot for each point, and the Hessian of the distance d is never
+/// below `-kappa/(1 - kappa d)`: a point that moves with speed v and acceleration a meets `g'' >= -sag`,
+/// `sag = v^2 kappa/(1 - kappa d) + |a|`. So `g + sag x^2/2` is convex: above its tangents, below its chords.
+#[derive(Clone, Copy, Debug)]
+pub struct Convexity {
+    /// Bound of `-g''` [m].
+    pub sag: f64,
+    /// The sum of the radii: distance of the lines at the gap's zero [m].
+    pub reach: f64,
+    /// Width among the xi below which nothing is resolved further.
+    pub floor: f64,
+}
+
+/// Newton's increments, by xi, below which the next one is rounding.
+const CONVERGED: f64 = 1e-9;
+
+impl Convexity {
+    /// How far g may leave convexity between two places.
+    fn slack(&self, a: &Sample, b: &Sample) -> f64 {
+        0.125 * self.sag * (b.xi - a.xi).powi(2)
+    }
+
+    /// A bound of the gap from below between two places: where the tangents of the convex function meet.
+    #[must_use]
+    pub fn least(&self, a: &Sample, b: &Sample) -> f64 {
+        let width = b.xi - a.xi;
+        let turn = 0.5 * self.sag * width;
+        let (s_a, s_b) = (a.slope - turn, b.slope + turn);
+        // The convex function lies above g by the same at both ends, and by at most that between.
+        if s_a >= 0.0 {
+            a.gap
+        } else if s_b <= 0.0 {
+            b.gap
+        } else {
+            let way = (b.gap - a.gap - s_b * width) / (s_a - s_b);
+            a.gap + s_a * way
+        }
+    }
+
+    /// Appends the zones between two places, in order: intervals where the gap is below zero.
+    pub fn zones(
+        &self,
+        gap: &mut impl FnMut(f64) -> Sample,
+        a: &Sample,
+        b: &Sample,
+        found: &mut Vec<(f64, f64)>,
+    ) {
+        if self.least(a, b) > 0.0 {
+            return;
+        }
+        let slack = self.slack(a, b);
+        if a.gap.max(b.gap) + slack < 0.0 {
+            return add(found, a.xi, b.xi);
+        }
+        let opposite = (a.gap < 0.0) != (b.gap < 0.0);
+        let small = b.xi - a.xi < self.floor;
+        if opposite {
+            let end = self.end(gap, a, b);
+            if small || self.is_single(a, b, end) {
+                return if a.gap < 0.0 {
+                    add(found, a.xi, end.xi)
+                } else {
+                    add(found, end.xi, b.xi)
+                };
+            }
+        } else if small {
+            if a.gap < 0.0 || b.gap < 0.0 {
+                add(found, a.xi, b.xi);
+            }
+            return;
+        }
+        let middle = if opposite || a.gap < 0.0 { 0.5 } else { self.lowest(a, b) };
+        let c = gap(a.xi + middle * (b.xi - a.xi));
+        self.zones(gap, a, &c, found);
+        self.zones(gap, &c, b, found);
+    }
+
+    /// Squared distances at the ends and their slopes, on an interval of width one: of straight lines they are a
+    /// parabola's.
+    fn squares(&self, a: &Sample, b: &Sample) -> [f64; 4] {
+        let width = b.xi - a.xi;
+        let (d_a, d_b) = (a.gap + self.reach, b.gap + self.reach);
+        [d_a * d_a, 2.0 * d_a * a.slope * width, d_b * d_b, 2.0 * d_b * b.slope * width]
+    }
+
+    /// Where, as a part of the interval, the gap is about lowest.
+    fn lowest(&self, a: &Sample, b: &Sample) -> f64 {
+        let [f_a, s_a, f_b, s_b] = self.squares(a, b);
+        // The lowest point of the cubic through these.
+        let u = s_a + s_b - 3.0 * (f_b - f_a);
+        let root = (u * u - s_a * s_b).max(0.0).sqrt();
+        let at = 1.0 - (s_b + root - u) / (s_b - s_a + 2.0 * root);
+        if at.is_finite() { at.clamp(0.1, 0.9) } else { 0.5 }
+    }
+
+    /// The place between two of opposite sign where the gap vanishes: Newton's method in a bracket, from where the
+    /// cubic through the squares does.
+    fn end(&self, gap: &mut impl FnMut(f64) -> Sample, a: &Sample, b: &Sample) -> Sample {
+        let [f_a, s_a, f_b, s_b] = self.squares(a, b);
+        let (rise, width) = (f_b - f_a, b.xi - a.xi);
+        let (two, three) = (3.0 * rise - 2.0 * s_a - s_b, s_a + s_b - 2.0 * rise);
+        let cubic = |x: f64| {
+            let value = f_a - self.reach * self.reach + x * (s_a + x * (two + x * three));
+            Sample { xi: x, gap: value, slope: s_a + x * (2.0 * two + 3.0 * x * three) }
+        };
+        let rises = b.gap > 0.0;
+        let guess = newton(&mut |x| cubic(x), (0.0, 1.0), 0.5, rises, 1e-3).xi;
+        newton(gap, (a.xi, b.xi), a.xi + guess * width, rises, CONVERGED)
+    }
+
+    /// Whether the gap changes its sign nowhere else between two places of opposite sign.
+    fn is_single(&self, a: &Sample, b: &Sample, end: Sample) -> bool {
+        let (inside, outside) = if a.gap < 0.0 { (a, b) } else { (b, a) };
+        let (way_in, way_out) = ((end.xi - inside.xi).abs(), (outside.xi - end.xi).abs());
+        end.slope.abs() >= 0.5 * self.sag * way_out
+            && -inside.gap >= 0.5 * self.sag * way_in * way_in
+    }
+}
+
+/// Where a function vanishes in a bracket, from `x` on.
+fn newton(
+    value: &mut impl FnMut(f64) -> Sample,
+    (mut low, mut high): (f64, f64),
+    mut x: f64,
+    rises: bool,
+    tolerance: f64,
+) -> Sample {
+    let mut here = value(x);
+    for _ in 0..100 {
+        if (here.gap < 0.0) == rises {
+            low = x;
+        } else {
+            high = x;
+        }
+        let step = -here.gap / here.slope;
+        let next = x + step;
+        if step.abs() <= tolerance {
+            return Sample { xi: next.clamp(low, high), gap: 0.0, slope: here.slope };
+        }
+        x = if next > low && next < high { next } else { 0.5 * (low + high) };
+        here = value(x);
+    }
+    Sample { xi: x, ..here }
 }

@@ -259,7 +259,7 @@ pub struct PlasticSpec {
 pub struct ContactSpec {
     /// Name of the contact.
     pub name: String,
-    /// Number of the cable whose zones carry the force.
+    /// Number of the line whose zones carry the force: cables count first, then beams.
     pub slave: usize,
     /// What it touches.
     pub master: MasterSpec,
@@ -271,20 +271,20 @@ pub struct ContactSpec {
     pub damping: f64,
     /// Friction; none: none.
     pub friction: Option<FrictionSpec>,
-    /// Of a cable with itself: points closer than this along it do not touch [m].
+    /// Of a line with itself: points closer than this along it do not touch [m].
     pub window: f64,
     /// Neighbourhoods of joints where nothing touches, (k, 3): arc lengths on slave and master, and width [m].
     pub apart: Array,
 }
 
-/// What a cable may touch.
+/// What a line may touch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum MasterSpec {
-    /// A cable.
+    /// A line.
     Line {
-        /// Its number.
-        cable: usize,
+        /// Its number, cables first, then beams.
+        line: usize,
     },
     /// A shape at rest.
     Shape {

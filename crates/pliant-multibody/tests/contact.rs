@@ -52,7 +52,7 @@ fn crossing(friction: Option<FrictionSpec>) -> ModelSpec {
         shape: ShapeSpec::HalfSpace,
     };
     spec.contacts =
-        vec![contact("both", 1, MasterSpec::Line { cable: 0 }), contact("ground", 0, ground)];
+        vec![contact("both", 1, MasterSpec::Line { line: 0 }), contact("ground", 0, ground)];
     spec
 }
 

@@ -115,7 +115,7 @@ fn pairs() -> Vec<(SideSpec, SideSpec)> {
             all.push((SideSpec::Surface { surface }, body(1, &shape)));
         }
         all.push((mass(0.03), body(1, &shape)));
-        all.push((SideSpec::Line { cable: 0 }, body(1, &shape)));
+        all.push((SideSpec::Line { line: 0 }, body(1, &shape)));
         for own in solids() {
             all.push((body(0, &own), body(1, &shape)));
         }
@@ -123,7 +123,7 @@ fn pairs() -> Vec<(SideSpec, SideSpec)> {
     for surface in 0..2 {
         let sheet = || SideSpec::Surface { surface };
         all.push((SideSpec::Surface { surface: 1 - surface }, sheet()));
-        all.push((SideSpec::Line { cable: 0 }, sheet()));
+        all.push((SideSpec::Line { line: 0 }, sheet()));
         all.push((mass(0.0), sheet()));
         all.push((mass(0.03), sheet()));
     }

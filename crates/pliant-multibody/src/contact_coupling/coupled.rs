@@ -11,6 +11,7 @@ use super::{Contacts, Master};
 use crate::dof_map::DofMap;
 use crate::probes::couple::Coupling;
 use nalgebra::Matrix3;
+use pliant_contact::point::{Laws, Motion};
 use pliant_dae::structure::{Mark, Storage, Structure, entries, entry_number};
 
 /// An element matrix of a pair of elements.
@@ -25,6 +26,55 @@ struct Placed {
     storage: Storage,
     /// Place of the eight vectors in it.
     local: [usize; 8],
+    /// Place of the directions of both sections, of lines that have some.
+    sections: [usize; 8],
+}
+
+impl Placed {
+    /// Adds a block at row and column.
+    fn add(&self, (i, j): (usize, usize), block: &Matrix3<f64>, values: &mut [f64]) {
+        let symmetric = self.storage == Storage::Symmetric;
+        for a in 0..3 {
+            for b in 0..3 {
+                if symmetric && i + a < j + b {
+                    continue;
+                }
+                let number = entry_number(self.size, i + a, j + b, self.storage);
+                values[self.base + number] += block[(a, b)];
+            }
+        }
+    }
+
+    /// Adds what friction does to sections that turn, and they to friction.
+    fn add_turning<'m>(
+        &self,
+        contacts: &Contacts,
+        touch: &Touch,
+        (at, motion): (At<'_>, &(dyn Fn(usize) -> Motion<'m> + 'm)),
+        laws: &Laws,
+        factors: (f64, f64),
+        values: &mut [f64],
+    ) {
+        for (number, point) in touch.patch.points().iter().enumerate() {
+            let place = &point.place;
+            let (tangent, [whole, friction]) =
+                place.linearise_friction(laws, &motion(number), factors);
+            let arms = contacts.arms(touch, point, at.q);
+            for k in (0..8).filter(|&k| arms.beta[k] != 0.0) {
+                let (arm, row) = (arms.beta[k], self.sections[k]);
+                for l in 0..8 {
+                    let (alpha, base) = (place.alpha[l], self.local[l]);
+                    self.add((row, base), &(place.column(&tangent, l) * arm), values);
+                    let turned = whole * (-place.weight * alpha * arm);
+                    self.add((base, row), &turned, values);
+                    let both = friction * (-place.weight * arm * arms.beta[l]);
+                    if arms.beta[l] != 0.0 {
+                        self.add((row, self.sections[l]), &both, values);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// The structure of a model with what touches.
@@ -102,7 +152,8 @@ impl Coupled {
         master: usize,
     ) {
         let this = &contacts.list[contact];
-        let own = contacts.lines[this.slave][slave].offsets;
+        let slave_segment = &contacts.lines[this.slave][slave];
+        let own = slave_segment.offsets;
         let other = match this.master {
             Master::Line(line) => contacts.lines[line][master].offsets,
             Master::Shape(_) => own,
@@ -110,10 +161,15 @@ impl Coupled {
         let groups = map.groups_of(other.into_iter().chain(own));
         let unknowns: Vec<usize> =
             groups.iter().flat_map(|&g| self.structure.groups()[g].clone()).collect();
-        let local = std::array::from_fn(|k| {
-            let offset = if k < 4 { other[k] } else { own[k - 4] };
-            unknowns.iter().position(|&u| u == offset).unwrap_or(0)
-        });
+        let place = |offset: usize| unknowns.iter().position(|&u| u == offset).unwrap_or(0);
+        let local = std::array::from_fn(|k| place(if k < 4 { other[k] } else { own[k - 4] }));
+        let none = [usize::MAX; 4];
+        let [other, own] = match this.master {
+            Master::Line(line) => [Some(&contacts.lines[line][master]), Some(slave_segment)],
+            Master::Shape(_) => [None, Some(slave_segment)],
+        }
+        .map(|segment| segment.and_then(|s| s.section).unwrap_or(none));
+        let sections = std::array::from_fn(|k| place(if k < 4 { other[k] } else { own[k - 4] }));
         let storage = if this.laws.friction.is_some() { Storage::Full } else { Storage::Symmetric };
         let element = self.structure.add_element(&groups, storage);
         let base = self.structure.slot(element).base;
@@ -125,6 +181,7 @@ impl Coupled {
             size: unknowns.len(),
             storage,
             local,
+            sections,
         });
     }
 
@@ -157,17 +214,14 @@ impl Coupled {
             });
             for k in 0..8 {
                 for l in 0..8 {
-                    let (i, j) = (placed.local[k], placed.local[l]);
-                    for a in 0..3 {
-                        for b in 0..3 {
-                            if symmetric && i + a < j + b {
-                                continue;
-                            }
-                            let number = entry_number(placed.size, i + a, j + b, placed.storage);
-                            values[placed.base + number] += blocks[k][l][(a, b)];
-                        }
-                    }
+                    placed.add((placed.local[k], placed.local[l]), &blocks[k][l], values);
                 }
+            }
+            if !at_rest && contacts.turns(touch) {
+                contacts.with_motion(touch, memory, at, |motion| {
+                    let factors = (stiffness, damping);
+                    placed.add_turning(contacts, touch, (at, motion), &laws, factors, values);
+                });
             }
         }
     }

@@ -3,10 +3,12 @@
 //! What is found and remembered during a run is in [`run`] and [`memory`]; the sparsity that follows it in [`coupled`].
 
 pub mod coupled;
+pub(crate) mod lines;
 pub mod memory;
 mod passing;
 mod report;
 pub mod run;
+mod turning;
 
 use crate::document::Arrays;
 use crate::dof_map::DofMap;
@@ -14,6 +16,7 @@ use crate::error::ModelError;
 use crate::probes::Probes;
 use crate::probes::spec::shape_of;
 use crate::spec::{FrictionSpec, MasterSpec, ModelSpec};
+use lines::{line_of, mass_per_length};
 use nalgebra::{Matrix3, Vector3};
 use pliant_contact::curve::Piece;
 use pliant_contact::friction::{Coulomb, Friction, LuGre};
@@ -28,6 +31,8 @@ use std::collections::HashMap;
 pub struct Segment {
     /// Offsets of its four vectors.
     pub offsets: [usize; 4],
+    /// Those of the directions across the section, y and z at both ends, where there are: of a beam.
+    pub section: Option<[usize; 4]>,
     /// Stress-free length [m].
     pub length: f64,
     /// Radius [m].
@@ -108,6 +113,8 @@ pub struct Contacts {
     pub list: Vec<Contact>,
     /// Largest radius [m].
     pub radius: f64,
+    /// Smallest radius of a line [m].
+    pub thinnest: f64,
     /// Energy below which a gain is rounding [J].
     pub energy_floor: f64,
     /// Numbers of the contacts by their lines, the lower number first.
@@ -133,17 +140,17 @@ impl Contacts {
         let mut numbers = HashMap::new();
         for contact in &spec.contacts {
             let place = format!("contact '{}'", contact.name);
-            let mut line = |cable: usize| -> Result<usize, ModelError> {
-                if let Some(&number) = numbers.get(&cable) {
+            let mut line = |given: usize| -> Result<usize, ModelError> {
+                if let Some(&number) = numbers.get(&given) {
                     return Ok(number);
                 }
-                this.lines.push(line_of(spec, arrays, map, cable, &place)?);
-                numbers.insert(cable, this.lines.len() - 1);
+                this.lines.push(line_of(spec, arrays, map, given, &place)?);
+                numbers.insert(given, this.lines.len() - 1);
                 Ok(this.lines.len() - 1)
             };
             let slave = line(contact.slave)?;
             let master = match &contact.master {
-                MasterSpec::Line { cable } => Master::Line(line(*cable)?),
+                MasterSpec::Line { line: other } => Master::Line(line(*other)?),
                 MasterSpec::Shape { origin, axes, shape } => Master::Shape(Box::new(Placed {
                     shape: shape_of(shape, arrays, &place)?,
                     origin: Vector3::from(*origin),
@@ -151,12 +158,11 @@ impl Contacts {
                 })),
             };
             let lines = match contact.master {
-                MasterSpec::Line { cable } => vec![contact.slave, cable],
+                MasterSpec::Line { line } => vec![contact.slave, line],
                 MasterSpec::Shape { .. } => vec![contact.slave],
             };
-            for cable in lines {
-                let mass = arrays.get(&spec.cables[cable].mass_per_length, &place)?;
-                let least = mass.iter().fold(f64::INFINITY, |m, x| m.min(*x));
+            for line in lines {
+                let least = mass_per_length(spec, arrays, line, &place)?;
                 this.frequency = this.frequency.max((contact.stiffness / least).sqrt());
             }
             let apart = arrays.get(&contact.apart, &place)?;
@@ -180,7 +186,8 @@ impl Contacts {
             });
         }
         let radii = this.lines.iter().flatten().map(|s| s.radius);
-        this.radius = radii.fold(0.0, f64::max);
+        (this.thinnest, this.radius) =
+            radii.fold((f64::INFINITY, 0.0), |(low, high), r| (low.min(r), f64::max(high, r)));
         this.probes = Probes::of_spec(spec, arrays, map, structure)?;
         this.radius = this.radius.max(this.probes.radius);
         this.frequency = this.frequency.max(this.probes.frequency);
@@ -232,69 +239,4 @@ pub(crate) fn laws_of(
     });
     let normal = Normal { k: stiffness, d_0: ramp, c: damping };
     Ok(Laws { normal, friction })
-}
-
-/// The elements of a cable. Of several strands that end at one point, one has the round end there.
-pub(crate) fn line_of(
-    spec: &ModelSpec,
-    arrays: Arrays<'_>,
-    map: &DofMap,
-    cable: usize,
-    place: &str,
-) -> Result<Vec<Segment>, ModelError> {
-    let count = map.cables.len();
-    let (Some(cable_map), Some(cable_spec)) = (map.cables.get(cable), spec.cables.get(cable))
-    else {
-        let place = place.to_owned();
-        return Err(ModelError::Reference { place, kind: "cable", index: cable, count });
-    };
-    let none =
-        || ModelError::Unsupported { place: place.to_owned(), reason: "its cable has no radius" };
-    let radius = cable_spec.radius.as_ref().ok_or_else(none)?;
-    let elements = cable_map.elements();
-    let positive: (fn(f64) -> bool, _) = (|x| x > 0.0, "radii are above zero");
-    let radius = arrays.checked(radius, &[1, elements], place, positive)?;
-    let mut users: HashMap<u32, usize> = HashMap::new();
-    let ends = |strand: usize| {
-        let nodes = cable_map.strand_nodes(strand);
-        [nodes.start, nodes.end - 1].map(|n| cable_map.nodes[n].r)
-    };
-    for strand in 0..cable_map.strands.len() {
-        for r in ends(strand) {
-            *users.entry(r).or_default() += 1;
-        }
-    }
-    let mut rounded = HashMap::new();
-    let mut segments = Vec::with_capacity(elements);
-    let mut start = 0.0;
-    for (strand, range) in cable_map.strands.iter().enumerate() {
-        let [first, last] = ends(strand);
-        for e in range.clone() {
-            let node = cable_map.first_node(e);
-            let (a, b) = (cable_map.nodes[node], cable_map.nodes[node + 1]);
-            let mut round = [false; 2];
-            let mut free = [false; 2];
-            for (end, (r, here)) in
-                [(first, e == range.start), (last, e + 1 == range.end)].into_iter().enumerate()
-            {
-                if here {
-                    round[end] = rounded.insert((r, end), ()).is_none()
-                        && (end == 0 || !rounded.contains_key(&(r, 0)));
-                    free[end] = users[&r] == 1;
-                }
-            }
-            let length = cable_map.lengths[e];
-            segments.push(Segment {
-                offsets: [a.r, a.t, b.r, b.t].map(|o| o as usize),
-                length,
-                radius: radius[if radius.len() == 1 { 0 } else { e }],
-                start,
-                last: e + 1 == range.end,
-                round,
-                free,
-            });
-            start += length;
-        }
-    }
-    Ok(segments)
 }

@@ -3,7 +3,7 @@
 //! Where two lines cross, one lies on a side of the other: the sign of `(r_a - r_b).(t_a x t_b)` at the points that face
 //! each other. A crossing is followed from before the step to after it by where it lies on both lines.
 
-use super::run::Search;
+use super::run::{Candidate, Search};
 use super::{Contacts, Master};
 use nalgebra::Vector3;
 use pliant_contact::curve::Piece;
@@ -41,7 +41,7 @@ fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
         std::array::from_fn(|i| p.at(i as f64 / CHORDS as f64))
     };
     let inside = |x: f64| (0.0..1.0).contains(&x);
-    for &(contact, e, m) in search.candidates() {
+    for &Candidate { contact, slave: e, master: m, .. } in search.candidates() {
         let this = &contacts.list[contact];
         let Master::Line(line) = this.master else { continue };
         let (slave, master) = (&contacts.lines[this.slave][e], &contacts.lines[line][m]);
@@ -65,7 +65,26 @@ fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
     found
 }
 
+/// Part of the sum of two radii by which the points of a zone may miss how near the lines come.
+const MISSED: f64 = 0.3;
+
 impl Search {
+    /// Whether no two lines are as near each other as lines that have just passed through each other: each has moved
+    /// by at most `moved`.
+    fn certainly_beside(&mut self, contacts: &Contacts, q: &[f64], moved: f64) -> bool {
+        // Others are two radii apart or more.
+        moved < contacts.thinnest
+            && self.touches(contacts, q).iter().all(|touch| {
+                let contact = &contacts.list[touch.contact];
+                let Master::Line(line) = contact.master else { return true };
+                let radii = contacts.lines[contact.slave][touch.slave].radius
+                    + contacts.lines[line][touch.master].radius;
+                let points = touch.patch.points().iter();
+                let gap = points.map(|p| p.place.gap).fold(f64::INFINITY, f64::min);
+                (1.0 - MISSED) * radii + gap > 2.0 * moved
+            })
+    }
+
     /// Whether two lines have passed through each other between two places.
     pub fn have_passed(&mut self, contacts: &Contacts, before: &[f64], after: &[f64]) -> bool {
         if contacts.probes.have_passed(before, after) {
@@ -74,7 +93,10 @@ impl Search {
         if !contacts.list.iter().any(|c| matches!(c.master, Master::Line(_))) {
             return false;
         }
-        self.refresh(contacts, after);
+        let moved = contacts.moved(before, after);
+        if self.certainly_beside(contacts, after, moved) {
+            return false;
+        }
         let now = crossings(contacts, self, after);
         if now.is_empty() {
             return false;

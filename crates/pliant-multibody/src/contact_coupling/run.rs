@@ -11,6 +11,9 @@ use pliant_contact::point::{Force, Laws, Motion};
 use pliant_contact::touch::{Master as Facing, Patch, Point as Place};
 use pliant_dae::problem::Point;
 
+/// Looks at the coordinates between two of all pairs that are few, and that are many.
+const OFTEN: u32 = 40;
+const SELDOM: u32 = 400;
 /// Steps without touching after which a pair leaves the iteration matrix.
 pub(super) const PATIENCE: u32 = 20;
 
@@ -66,15 +69,32 @@ impl<'a> From<Point<'a>> for At<'a> {
     }
 }
 
-/// Scratch of the search: candidates hold while nothing has moved far.
+/// Two that were near each other when the search last looked at all of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// Number of the contact.
+    pub contact: usize,
+    /// Element of the slave.
+    pub slave: usize,
+    /// Element of the master; `usize::MAX` for a shape.
+    pub master: usize,
+    /// Length by which they were apart then, at least [m].
+    clearance: f64,
+}
+
+/// Scratch of the search: candidates hold while nothing has moved far. Nothing of it changes what is found.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
-    /// Candidates: contact, element of the slave, of the master.
-    candidates: Vec<(usize, usize, usize)>,
+    candidates: Vec<Candidate>,
     built_at: Vec<f64>,
+    /// How far anything has moved since then, at most [m].
+    moved: f64,
     margin: f64,
+    /// Coordinates looked at since then.
+    looks: u32,
     touches: Vec<Touch>,
     found_at: Vec<f64>,
+    found: Vec<Patch>,
     /// Probes in contact.
     pub probes: Found,
 }
@@ -85,8 +105,10 @@ impl Search {
         if self.found_at != q {
             self.refresh(contacts, q);
             self.touches.clear();
-            for &(number, slave, master) in &self.candidates {
-                touch(contacts, (number, slave, master), q, &mut self.touches);
+            let Self { candidates, moved, touches, found, .. } = self;
+            // Both sides may have come nearer.
+            for candidate in candidates.iter().filter(|c| c.clearance <= 2.0 * *moved) {
+                touch(contacts, candidate, q, found, touches);
             }
             self.found_at.clear();
             self.found_at.extend_from_slice(q);
@@ -103,37 +125,33 @@ impl Search {
     pub(super) fn refresh(&mut self, contacts: &Contacts, q: &[f64]) {
         let mut moved = f64::INFINITY;
         if self.built_at.len() == q.len() {
-            // A control point moves with its node and a third of the slope's change.
-            let (mut by_node, mut by_slope, mut longest) = (0.0_f64, 0.0_f64, 0.0_f64);
-            let change = |o: usize| -> f64 {
-                (0..3).map(|c| (q[o + c] - self.built_at[o + c]).powi(2)).sum()
-            };
-            for segment in contacts.lines.iter().flatten() {
-                let [r, t, r_2, t_2] = segment.offsets;
-                longest = longest.max(segment.length);
-                by_node = by_node.max(change(r));
-                by_slope = by_slope.max(change(t));
-                // The second end is the first of the element that follows, unless none does.
-                if segment.last {
-                    by_node = by_node.max(change(r_2));
-                    by_slope = by_slope.max(change(t_2));
-                }
-            }
-            moved = by_node.sqrt() + longest / 3.0 * by_slope.sqrt();
+            moved = contacts.moved(&self.built_at, q);
             if 2.0 * moved <= self.margin {
+                self.moved = moved;
+                self.looks += 1;
                 return;
             }
         }
-        let ahead = if moved.is_finite() { 2.0 * moved } else { 0.0 };
-        self.margin = f64::max(0.5 * contacts.radius, ahead);
+        let least = 0.5 * contacts.radius;
+        // Wide margins keep more pairs that are apart, narrow ones have all of them looked at more often.
+        self.margin = match self.looks {
+            _ if moved.is_infinite() => least,
+            0..OFTEN => {
+                f64::max(2.0 * self.margin, 2.0 * moved).min(f64::max(8.0 * least, 2.0 * moved))
+            }
+            OFTEN..=SELDOM => f64::max(self.margin, 2.0 * moved),
+            _ => f64::max(least, 0.5 * self.margin),
+        };
         self.candidates = candidates(contacts, q, self.margin);
+        self.moved = 0.0;
+        self.looks = 0;
         self.built_at.clear();
         self.built_at.extend_from_slice(q);
     }
 
-    /// Pairs near each other where [`Self::touches`] last looked: contact, element of the slave, of the master.
+    /// Pairs near each other where [`Self::touches`] last looked.
     #[must_use]
-    pub fn candidates(&self) -> &[(usize, usize, usize)] {
+    pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
     }
 }
@@ -144,7 +162,25 @@ fn hull(piece: &Piece, margin: f64) -> Box3 {
 }
 
 /// Pairs whose boxes, grown by half the margin, meet; sorted.
-fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<(usize, usize, usize)> {
+fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<Candidate> {
+    let clearance = |&(contact, slave, master): &(usize, usize, usize)| {
+        let this = &contacts.list[contact];
+        let piece = contacts.lines[this.slave][slave].piece(q);
+        let clearance = match &this.master {
+            Master::Shape(shape) => Facing::Shape(shape).clearance(&piece),
+            Master::Line(line) => {
+                let segment = &contacts.lines[*line][master];
+                Facing::Line(&segment.piece(q), segment.round).clearance(&piece)
+            }
+        };
+        // Less what rounding may hide: what is found must not depend on where the search last looked at all.
+        Candidate { contact, slave, master, clearance: clearance - 1e-6 * contacts.thinnest }
+    };
+    near(contacts, q, margin).iter().map(clearance).collect()
+}
+
+/// The same, as contact, element of the slave, of the master.
+fn near(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<(usize, usize, usize)> {
     let mut owner = Vec::new();
     let mut boxes = Vec::new();
     for (line, segments) in contacts.lines.iter().enumerate() {
@@ -189,25 +225,27 @@ fn is_beside(contact: &Contact, contacts: &Contacts, e: usize, m: usize) -> bool
 
 fn touch(
     contacts: &Contacts,
-    (number, e, m): (usize, usize, usize),
+    candidate: &Candidate,
     q: &[f64],
+    found: &mut Vec<Patch>,
     out: &mut Vec<Touch>,
 ) {
+    let &Candidate { contact: number, slave: e, master: m, .. } = candidate;
     let contact = &contacts.list[number];
     let slave = &contacts.lines[contact.slave][e];
     let piece = slave.piece(q);
-    let mut found = Vec::new();
     let (mut starts, mut lengths) = ([slave.start, 0.0], [slave.length, 0.0]);
+    found.clear();
     match &contact.master {
-        Master::Shape(shape) => Facing::Shape(shape).touch(&piece, slave.free, &mut found),
+        Master::Shape(shape) => Facing::Shape(shape).touch(&piece, slave.free, found),
         Master::Line(line) => {
             let master = &contacts.lines[*line][m];
             (starts[1], lengths[1]) = (master.start, master.length);
             let other = master.piece(q);
-            Facing::Line(&other, master.round).touch(&piece, slave.free, &mut found);
+            Facing::Line(&other, master.round).touch(&piece, slave.free, found);
         }
     }
-    for patch in found {
+    for &patch in found.iter() {
         let mut touch = Touch { contact: number, slave: e, master: m, patch, starts, lengths };
         let same = touch;
         let allowed = |point: &Place| {
@@ -220,6 +258,9 @@ fn touch(
     }
 }
 
+/// Points of a patch at most.
+const POINTS: usize = 3;
+
 /// Which part of the forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
@@ -230,6 +271,25 @@ pub enum Part {
 }
 
 impl Contacts {
+    /// A bound of how far a point of any line has moved from one place to another [m].
+    pub(super) fn moved(&self, from: &[f64], to: &[f64]) -> f64 {
+        // A control point moves with its node and a third of the slope's change.
+        let (mut by_node, mut by_slope, mut longest) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let change = |o: usize| -> f64 { (0..3).map(|c| (to[o + c] - from[o + c]).powi(2)).sum() };
+        for segment in self.lines.iter().flatten() {
+            let [r, t, r_2, t_2] = segment.offsets;
+            longest = longest.max(segment.length);
+            by_node = by_node.max(change(r));
+            by_slope = by_slope.max(change(t));
+            // The second end is the first of the element that follows, unless none does.
+            if segment.last {
+                by_node = by_node.max(change(r_2));
+                by_slope = by_slope.max(change(t_2));
+            }
+        }
+        by_node.sqrt() + longest / 3.0 * by_slope.sqrt()
+    }
+
     /// The laws at hand: at rest there is no friction.
     pub(super) fn laws(&self, number: usize, at_rest: bool) -> Laws {
         let laws = self.list[number].laws;
@@ -258,18 +318,30 @@ impl Contacts {
     ) -> T {
         let offsets = self.offsets(touch);
         let gather = |x: &[f64]| offsets.map(|o| Vector3::new(x[o], x[o + 1], x[o + 2]));
-        let v = gather(at.v);
-        let mut moved = [Vector3::zeros(); 8];
+        let mut v = [gather(at.v); POINTS];
+        let mut moved = [[Vector3::zeros(); 8]; POINTS];
         let mut h = 0.0;
         if memory.q.len() == at.q.len() && at.t > memory.t {
             h = at.t - memory.t;
             let before = gather(&memory.q);
             let now = gather(at.q);
-            for k in 0..8 {
-                moved[k] = now[k] - before[k];
-            }
+            moved = [std::array::from_fn(|k| now[k] - before[k]); POINTS];
         }
         let contact = &self.list[touch.contact];
+        if self.turns(touch) {
+            for (number, point) in touch.patch.points().iter().enumerate() {
+                let arms = self.arms(touch, point, at.q);
+                // Weights of positions add up to one: so the slip takes the motion of the surface, and nothing else.
+                let add = |x: &mut [Vector3<f64>; 8], extra: Vector3<f64>| {
+                    x[4] -= extra;
+                    x[6] -= extra;
+                };
+                add(&mut v[number], arms.sum(at.v));
+                if h > 0.0 {
+                    add(&mut moved[number], arms.sum(at.q) - arms.sum(&memory.q));
+                }
+            }
+        }
         let z = |number: usize| {
             if contact.laws.friction.is_none() {
                 return Vector3::zeros();
@@ -279,7 +351,7 @@ impl Contacts {
             let arc = touch.arc(point);
             memory.bristle(touch.contact as u32, touch.patch.is_end(), arc, point.place.n, radius)
         };
-        work(&|number| Motion { v: &v, moved: &moved, h, z: z(number) })
+        work(&|number| Motion { v: &v[number], moved: &moved[number], h, z: z(number) })
     }
 
     /// Calls `work` with each point of a patch and the force there.
@@ -313,7 +385,16 @@ impl Contacts {
         for touch in search.touches(self, at.q) {
             let mut share = [Vector3::zeros(); 8];
             let normal = self.list[touch.contact].laws.normal;
-            self.each_force(touch, memory, at, at_rest, |Place { place, .. }, force| {
+            let turns = self.turns(touch);
+            self.each_force(touch, memory, at, at_rest, |point, force| {
+                let place = &point.place;
+                if turns {
+                    let arms = self.arms(touch, point, at.q);
+                    for (o, b) in arms.offsets.into_iter().zip(arms.beta) {
+                        let f = force.friction.force * (-place.weight * b);
+                        (0..3).for_each(|c| out[o + c] += f[c]);
+                    }
+                }
                 let mut total = force.total;
                 if part == Part::Dissipated {
                     total -= place.n * normal.elastic(-place.gap).0;

@@ -3,7 +3,7 @@
 //! | side | its probes | its distance function |
 //! | --- | --- | --- |
 //! | shell, membrane | points of a rule on each face, on its corners and edges, too | none |
-//! | cable | fitted to the zones where it is inside the other | none here |
+//! | cable, beam | fitted to the zones where it is inside the other | none here |
 //! | ball, mass | the centre | exact |
 //! | capsule | zones of its axis | exact |
 //! | box, cylinder | corners; on each rim the points that lie lowest and across | exact; between two of them, parry's points |
@@ -24,7 +24,8 @@ mod sheet;
 mod skin;
 pub mod spec;
 
-use crate::contact_coupling::{Segment, laws_of, line_of};
+use crate::contact_coupling::lines::{line_of, mass_per_length};
+use crate::contact_coupling::{Segment, laws_of};
 use crate::document::Arrays;
 use crate::dof_map::DofMap;
 use crate::error::ModelError;
@@ -50,7 +51,7 @@ pub(crate) enum Side {
     Rigid(usize, Shape),
     /// A mass: weights of coordinates, and its radius.
     Mass(Vec<(usize, f64)>, f64),
-    /// Elements of a cable.
+    /// Elements of a cable or a beam.
     Line(Vec<Segment>),
     /// A shape at rest.
     Rest(Pose, Shape),
@@ -481,7 +482,7 @@ impl Reading<'_> {
                 let (point, _) = map.point(at, place)?;
                 Side::Mass(point.terms, *radius)
             }
-            SideSpec::Line { cable } => Side::Line(line_of(spec, arrays, map, *cable, place)?),
+            SideSpec::Line { line } => Side::Line(line_of(spec, arrays, map, *line, place)?),
             SideSpec::Rest { origin, axes, shape } => {
                 let axes = Matrix3::from_columns(&axes.map(Vector3::from));
                 let pose = Pose { origin: Vector3::from(*origin), axes };
@@ -501,9 +502,8 @@ impl Reading<'_> {
             }
             SideSpec::Rigid { rigid, .. } => Some(self.spec.rigid_bodies[*rigid].mass),
             SideSpec::Mass { mass, .. } => Some(*mass),
-            SideSpec::Line { cable } => {
-                let cable = &self.spec.cables[*cable];
-                Some(least(self.arrays.get(&cable.mass_per_length, self.place)?))
+            SideSpec::Line { line } => {
+                Some(mass_per_length(self.spec, self.arrays, *line, self.place)?)
             }
             SideSpec::Rest { .. } => None,
         })

@@ -62,10 +62,10 @@ pub enum SideSpec {
         /// Its radius [m]; 0: a point.
         radius: f64,
     },
-    /// A cable.
+    /// A cable or a beam.
     Line {
-        /// Its number.
-        cable: usize,
+        /// Its number, cables first, then beams.
+        line: usize,
     },
     /// A shape at rest.
     Rest {

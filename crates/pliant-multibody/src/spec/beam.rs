@@ -37,6 +37,9 @@ pub struct BeamSpec {
     /// Points of the section (y, z, part of the area) [m, m, m^2], (points, 3), for the laws of the continuum.
     #[serde(default = "default_array")]
     pub section_points: Array,
+    /// Radius for contact [m]: (1,) or (elements,); none where it touches nothing.
+    #[serde(default)]
+    pub radius: Option<Array>,
 }
 
 /// Remedy against locking.

@@ -131,7 +131,7 @@ pub fn thrown_across(elements: usize) -> ModelSpec {
     spec.contacts.push(ContactSpec {
         name: "contact1".to_owned(),
         slave: 1,
-        master: MasterSpec::Line { cable: 0 },
+        master: MasterSpec::Line { line: 0 },
         stiffness: 3e6,
         ramp: 2.5e-5,
         damping: 3.0,
