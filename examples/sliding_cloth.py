@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pliant as pl
-from _audit import draw_energies
+import _audit
 from _style import AMBER, BLUE, GREEN, INK, new_figure, plain, save
 from matplotlib.figure import Figure
 
@@ -127,7 +127,7 @@ def draw(slide: Slide) -> Figure:
     force.axhline(1.0, color=INK, linewidth=0.8, linestyle=":")
     force.legend(frameon=False, fontsize=8.5)
     plain(force, "t [s]", "force up, over weight", "Who carries the cloth")
-    draw_energies(figure.add_subplot(grid[1, 1]), result, "Where the energy goes", "mJ", 1e-3)
+    _audit.draw_energies(figure.add_subplot(grid[1, 1]), result, "Where the energy goes", "mJ", 1e-3)
     return figure
 
 

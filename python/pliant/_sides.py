@@ -76,14 +76,12 @@ def why_not(a: Side, b: Side) -> str | None:
     if isinstance(a, LINES) and isinstance(b, LINES):
         return None
     # A surface is touched by everything that has points.
-    beam = isinstance(a, BeamBody) or isinstance(b, BeamBody)
-    touched = solid if beam else (*solid, SurfaceBody)
+    touched = (*solid, SurfaceBody)
     if isinstance(a, touched) or isinstance(b, touched):
         return None
     return (
         f"contact between a {kind_of(a)} and a {kind_of(b)} is not known: point masses touch obstacles, "
-        "rigid bodies with a shape, shells and membranes; cables these and each other; beams cables, each "
-        "other, obstacles and rigid bodies with a shape"
+        "rigid bodies with a shape, shells and membranes; cables and beams these and each other"
     )
 
 
@@ -159,7 +157,7 @@ def _reach(side: Side) -> float:
     """Half of a thickness, or a radius: how far a thin side reaches about its middle [m]."""
     if isinstance(side, SurfaceBody):
         return 0.5 * float(side.thickness.max())
-    if isinstance(side, LineBody):
+    if isinstance(side, LINES):
         return float(side.radius.max())
     return 0.0
 

@@ -91,10 +91,10 @@ class Touching(Actuation):
         a : Cable, CableNet, Beam, Shell, Membrane, RigidBody or PointMass
             A body; a rigid body must have a shape.
         b : body or Obstacle, optional
-            The other; None: ``a`` itself, a cable, beam, shell or membrane. Cables, shells and membranes
-            touch each other, obstacles and rigid bodies; beams cables, each other, obstacles and rigid
-            bodies; point masses obstacles, rigid bodies, shells and membranes. Friction turns a beam about
-            its line; a cable cannot twist.
+            The other; None: ``a`` itself, a cable, beam, shell or membrane. Cables, beams, shells and
+            membranes touch each other, obstacles and rigid bodies; point masses obstacles, rigid bodies,
+            shells and membranes. Friction against lines and obstacles turns a beam about its line; a cable
+            cannot twist.
         stiffness : float, optional
             Force per penetration: per length of a cable or beam [N/m^2], per area of a shell or membrane
             [N/m^3], at a point of a rigid body or mass [N/m]. None: of lines, also on surfaces, as stiff as

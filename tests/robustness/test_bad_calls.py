@@ -294,7 +294,7 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("i", "9", lambda s: s.arm.node(9)),
     ("direction", "(0, 0, 1)", lambda s: s.m.drive(s.arm.end, direction=(0, 0, 1))),
     ("orientation", "'up'", lambda s: s.m.drive(s.arm.end, orientation="up")),
-    ("b", "beams", lambda s: s.m.add_contact(s.rope, s.arm)),
+    ("b", "point mass and a beam", lambda s: s.m.add_contact(s.ball, s.arm)),
     ("shear_corrections", "(0, 1)", lambda s: pl.Section(1, (1, 1), shear_corrections=(0, 1))),
     ("edge_b", "film", lambda s: s.m.fold(s.sheet.edge("u_min"), s.film.edge("rim"))),
     (

@@ -85,22 +85,24 @@ def test_a_ball_dropped_on_a_free_sheet_gives_it_its_impulse(kind, record):
     assert record(f"ball on a free {kind}, drift of momentum", drift(result.momentum), 0.0, 1e-9)
 
 
-def test_a_rope_lies_over_a_sheet(record):
+@pytest.mark.parametrize("kind", ["cable", "beam"])
+def test_a_rope_lies_over_a_sheet(kind, record):
     model = pl.Model(gravity=(0, 0, -GRAVITY))
     table = sheet(model, n=3, size=0.15, thickness=6e-3)
     hold(model, table, ("rim",))
     line = [(-0.06, 0.01, 8.1e-3), (0.06, -0.02, 8.1e-3)]
-    rope = model.add_cable(line, elements=6, section=pl.Circle(5e-3), material=ROPE)
+    add = model.add_cable if kind == "cable" else model.add_beam
+    rope = add(line, elements=6, section=pl.Circle(5e-3), material=ROPE)
     model.add_contact(rope, table, damping=20.0)
     result = pl.simulate(model, duration=0.5, step=2e-3)
     mass = np.pi * 25e-6 * 1200.0 * np.hypot(0.12, 0.03)
     force = result.contact_force(rope, table)
     share = carried(result, rope, table, mass)
     # The impulse is a sum of trapezoids.
-    assert record("rope on a clamped sheet, impulse over weight", share, 1.0, 1e-3, source="momentum")
+    assert record(f"{kind} on a clamped sheet, impulse over weight", share, 1.0, 1e-3, source="momentum")
     assert np.abs(force[-20:, 2] / (mass * GRAVITY) - 1.0).max() < 0.05
     # Where it presses the records say as much.
-    patches = [p for p in result.contacts[-1] if set(p.bodies) == {"cable1", "shell1"}]
+    patches = [p for p in result.contacts[-1] if set(p.bodies) == {rope.name, "shell1"}]
     assert sum(p.normal_force * p.normal[2] for p in patches) == pytest.approx(force[-1, 2], rel=1e-3)
 
 
