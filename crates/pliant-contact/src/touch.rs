@@ -69,15 +69,13 @@ impl Patch {
         if growth > 0.0 && inside { gap + 0.5 * slope * way } else { gap }
     }
 
-    /// Takes out the points that `wanted` says no to: they stand for no length. Returns whether any is left.
-    pub fn keep(&mut self, mut wanted: impl FnMut(&Point) -> bool) -> bool {
+    /// Leaves each point this share, 0 to 1, of the length that it stands for. Returns whether anything is left.
+    pub fn leave(&mut self, mut share: impl FnMut(&Point) -> f64) -> bool {
         let mut left = false;
         for point in &mut self.points[..self.count] {
-            if wanted(point) {
-                left = true;
-            } else {
-                point.place.weight = 0.0;
-            }
+            let share = share(point);
+            left |= share > 0.0;
+            point.place.weight *= share;
         }
         left
     }

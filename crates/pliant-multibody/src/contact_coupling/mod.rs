@@ -94,15 +94,25 @@ impl Contact {
         matches!(self.master, Master::Line(line) if line == self.slave)
     }
 
-    /// Whether points at these arc lengths may touch.
+    /// Which share of the force acts between points at these arc lengths: none beside a joint, from half as far again
+    /// all of it, and a smooth step between. Where a line folds at a joint, points that enter or leave all at once would
+    /// make the force jump; how the share changes with the foot is left out of the tangent.
     #[must_use]
-    pub fn allows(&self, slave: f64, master: f64) -> bool {
-        let near =
-            |[s, m, width]: &[f64; 3]| (slave - s).abs() < *width && (master - m).abs() < *width;
-        let same = self.is_self() && (slave - master).abs() < self.window;
-        !same && !self.apart.iter().any(near)
+    pub fn share(&self, slave: f64, master: f64) -> f64 {
+        if self.is_self() && (slave - master).abs() < self.window {
+            return 0.0;
+        }
+        let beyond = |[s, m, width]: &[f64; 3]| {
+            let way = (slave - s).abs().max((master - m).abs()) / width;
+            let x = ((way - 1.0) / BLEND).clamp(0.0, 1.0);
+            x * x * (3.0 - 2.0 * x)
+        };
+        self.apart.iter().map(beyond).fold(1.0, f64::min)
     }
 }
+
+/// Way beyond the neighbourhood of a joint, over its size, within which contact sets in.
+const BLEND: f64 = 0.5;
 
 /// All lines and contacts of a model.
 #[derive(Clone, Debug, Default)]

@@ -21,6 +21,19 @@ struct Crossing {
     reach: f64,
 }
 
+impl Crossing {
+    /// How far apart two of them are along the lines [m].
+    fn distance(&self, other: &Self) -> f64 {
+        (0..2).map(|k| (other.arc[k] - self.arc[k]).abs()).fold(0.0, f64::max)
+    }
+
+    /// The nearest one of the same lines.
+    fn nearest<'a>(&self, all: &'a [Self]) -> Option<&'a Self> {
+        let same = all.iter().filter(|other| other.contact == self.contact);
+        same.min_by(|a, b| self.distance(a).total_cmp(&self.distance(b)))
+    }
+}
+
 /// Where two straight lines face each other, counted from 0 to 1 along each, and on which side.
 fn facing(a: [Vector3<f64>; 2], b: [Vector3<f64>; 2]) -> Option<(f64, f64, f64)> {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
@@ -55,7 +68,7 @@ fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
                     segment.start + segment.length * (k as f64 + x) / CHORDS as f64
                 };
                 let arc = [at(slave, i, s), at(master, j, t)];
-                if inside(s) && inside(t) && this.allows(arc[0], arc[1]) {
+                if inside(s) && inside(t) && this.share(arc[0], arc[1]) > 0.0 {
                     let reach = slave.length.min(master.length);
                     found.push(Crossing { contact, arc, side, reach });
                 }
@@ -102,13 +115,14 @@ impl Search {
             return false;
         }
         let was = crossings(contacts, self, before);
+        // Each is followed to the nearest one, there and back: where one comes in beside another, it was not the other.
         now.iter().any(|crossing| {
-            let distance = |other: &&Crossing| {
-                (0..2).map(|k| (other.arc[k] - crossing.arc[k]).abs()).fold(0.0, f64::max)
-            };
-            let same = was.iter().filter(|w| w.contact == crossing.contact);
-            let nearest = same.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            nearest.is_some_and(|w| distance(&w) < crossing.reach && w.side * crossing.side < 0.0)
+            let followed = crossing.nearest(&was).filter(|before| {
+                before.nearest(&now).is_some_and(|back| std::ptr::eq(back, crossing))
+            });
+            followed.is_some_and(|before| {
+                before.distance(crossing) < crossing.reach && before.side * crossing.side < 0.0
+            })
         })
     }
 }

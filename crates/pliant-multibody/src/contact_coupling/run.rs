@@ -248,11 +248,11 @@ fn touch(
     for &patch in found.iter() {
         let mut touch = Touch { contact: number, slave: e, master: m, patch, starts, lengths };
         let same = touch;
-        let allowed = |point: &Place| {
+        let share = |point: &Place| {
             let (slave, master) = same.arc(point);
-            contact.allows(slave, master)
+            contact.share(slave, master)
         };
-        if m == usize::MAX || touch.patch.keep(allowed) {
+        if m == usize::MAX || touch.patch.leave(share) {
             out.push(touch);
         }
     }
