@@ -14,9 +14,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import _audit
 import numpy as np
 import pliant as pl
-import _audit
 from _style import AMBER, BLUE, GREEN, INK, new_figure, plain, save
 from matplotlib.figure import Figure
 
