@@ -106,7 +106,7 @@ def test_thrown(seed):
 
 @pytest.mark.parametrize("step", [5e-4, 2e-3])
 def test_rings_that_fold_at_their_corners(step):
-    # Forces beside the corners set in smoothly, and crossings that come in there are not taken for others that were.
+    # Forces beside corners set in smoothly, and crossings that come in there are not taken for others.
     check(64, step)
 
 
