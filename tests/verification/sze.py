@@ -66,10 +66,12 @@ def table(name: str) -> np.ndarray:
     return np.array(found)
 
 
-def solve(name: str, elements: int | None = None, **options: object) -> Curve:
-    """Follow the path of a problem to its full load."""
+def solve(
+    name: str, elements: int | None = None, build: Callable[[int], Built] | None = None, **options: object
+) -> Curve:
+    """Follow the path of a problem to its full load, as it stands or built otherwise."""
     problem = PROBLEMS[name]
-    model, readings = problem.build(elements or problem.elements)
+    model, readings = (build or problem.build)(elements or problem.elements)
     given = {"load_steps": problem.load_steps, "arc_length": problem.arc_length, "stable": False, **options}
     result = pl.solve_static(model, **given)  # type: ignore[arg-type]
     start = np.append(0.0, result.load_factor) if result.load_factor[0] > 0 else result.load_factor
@@ -174,11 +176,14 @@ def pull_out(n: int) -> Built:
     return model, [("w at A", top, 2, 1), ("-u at B", side, 0, -1), ("-u at C", end, 0, -1)]
 
 
-def pinched(n: int) -> Built:
+def pinched(n: int, **element: str) -> Built:
     """3.6: a tube with rigid diaphragms at its ends, pinched in the middle; an eighth."""
     radius, length, model = 100.0, 200.0, pl.Model()
     shell = model.add_shell(
-        octant(radius, length / 2, n, n), thickness=1.0, material=material(3e4, 0.3), quadrature="reduced"
+        octant(radius, length / 2, n, n),
+        thickness=1.0,
+        material=material(3e4, 0.3),
+        **(element or {"quadrature": "reduced"}),
     )
     model.symmetry(shell.edge("u_min"), (1, 0, 0))
     model.symmetry(shell.edge("u_max"), (0, 0, 1))

@@ -208,15 +208,26 @@ def test_release_of_the_whole_rig(record):
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize(("rate", "step"), [(RATE, 1e-3), (20.0, 2.5e-4)])
 def test_steady_spin_of_the_whole_rig(record, rate, step):
+    """The closed form is that of a film that does not stretch: what the film's stiffness leaves goes as 1/E.
+
+    The film widens by some strain when it is let go. Its tethers hardly hold it, so that it keeps its angular
+    momentum, turns slower by twice the strain, and pulls less by three times the strain.
+    """
     # Strains of a turning film change by some (omega h)^2 within a step, which damping answers to.
-    options = {"start": "flat", "retardation_time": 3e-3, "duration": 0.06, "youngs_modulus": 2.5e9}
-    scene = pl.scenes.solar_sail(spin=rate, step=step, **options)
-    found = scene.measure(scene.simulate())
+    options = {"start": "flat", "retardation_time": 3e-3, "duration": 0.06, "spin": rate, "step": step}
+    found = []
+    for youngs_modulus in (2.5e9, 1e10):
+        scene = pl.scenes.solar_sail(youngs_modulus=youngs_modulus, **options)
+        found.append(scene.measure(scene.simulate()))
     for place, value in (("base", 0.20016435023578202), ("middle", 0.17524908223658756)):
         value *= (rate / RATE) ** 2
+        soft, stiff = (f[f"tension at the {place}"] for f in found)
         name = f"whole rig at {rate:.4g} rad/s, force at its {place}"
-        # Strains of 1e-3 at most widen the sail.
-        assert record(name, found[f"tension at the {place}"], value, 1e-3 * value, "N", "closed form")
+        widening = found[0]["tip radius"][-1].mean() / (np.sqrt(2) * 0.8) - 1
+        # The strain at the tips stands for that of the whole film.
+        assert abs(soft / value - 1) < max(1e-4, 4 * widening)
+        limit = stiff + (stiff - soft) / 3
+        assert record(f"{name}, E to infinity", limit, value, 1e-4 * value, "N", "closed form")
 
 
 def test_a_tether_unwinds_from_its_hub(record):

@@ -125,12 +125,12 @@ impl Condensed {
         interface.as_mut().is_none_or(|interface| interface.factor(chains, values).is_ok())
     }
 
-    fn solve_condensed(&mut self, x: &mut [f64], transposed: bool) {
+    fn solve_condensed(&mut self, x: &mut [f64], transposed: bool, exact: bool) {
         let b = &*x;
         self.for_all(|chain, threads| chain.forward(b, transposed, threads));
         let Self { interface, chains, .. } = self;
         if let Some(interface) = interface {
-            interface.solve(chains, x, transposed);
+            interface.solve(chains, x, transposed, exact);
         }
         let known = &*x;
         self.for_all(|chain, threads| {
@@ -150,7 +150,7 @@ impl Condensed {
         let mut b = vec![0.0; n];
         structure.multiply_add(values, &known, &mut b, false);
         let mut x = b.clone();
-        self.solve_condensed(&mut x, false);
+        self.solve_condensed(&mut x, false, true);
         let error: Vec<f64> = x.iter().zip(&known).map(|(x, k)| x - k).collect();
         let mut residual = vec![0.0; n];
         structure.multiply_add(values, &error, &mut residual, false);
@@ -159,22 +159,23 @@ impl Condensed {
         worst.fold(0.0, |m, r| if r.is_nan() { f64::INFINITY } else { f64::max(m, r) })
     }
 
-    fn solve_with(&mut self, x: &mut [f64], transposed: bool) {
+    fn solve_with(&mut self, x: &mut [f64], transposed: bool, exact: bool) {
         match (self.mode, &mut self.sparse) {
             (Mode::Sparse, Some(sparse)) if transposed => return sparse.solve_transposed(x),
-            (Mode::Sparse, Some(sparse)) => return sparse.solve(x),
+            (Mode::Sparse, Some(sparse)) if exact => return sparse.solve(x),
+            (Mode::Sparse, Some(sparse)) => return sparse.correct(x),
             _ => {}
         }
         if self.mode == Mode::Plain {
-            return self.solve_condensed(x, transposed);
+            return self.solve_condensed(x, transposed, exact);
         }
         let mut right = std::mem::take(&mut self.right);
         right.clear();
         right.extend(x.iter().map(|x| -x));
-        self.solve_condensed(x, transposed);
+        self.solve_condensed(x, transposed, true);
         if let Some((structure, values)) = &self.kept {
             structure.multiply_add(values, x, &mut right, transposed);
-            self.solve_condensed(&mut right, transposed);
+            self.solve_condensed(&mut right, transposed, true);
             for (x, correction) in x.iter_mut().zip(&right) {
                 *x -= correction;
             }
@@ -221,11 +222,15 @@ impl LinearSolver for Condensed {
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        self.solve_with(x, false);
+        self.solve_with(x, false, true);
+    }
+
+    fn correct(&mut self, x: &mut [f64]) {
+        self.solve_with(x, false, false);
     }
 
     fn solve_transposed(&mut self, x: &mut [f64]) {
-        self.solve_with(x, true);
+        self.solve_with(x, true, true);
     }
 
     fn factor_cost(&self) -> f64 {
@@ -320,8 +325,8 @@ impl Interface {
         self.solver.factor(&self.structure, &self.values)
     }
 
-    /// Replaces the interface's part of the right-hand side by the solution.
-    fn solve(&mut self, chains: &[Chain], x: &mut [f64], transposed: bool) {
+    /// Replaces the interface's part of the right-hand side by the solution, unless `exact` by one good for corrections.
+    fn solve(&mut self, chains: &[Chain], x: &mut [f64], transposed: bool, exact: bool) {
         for (here, &u) in self.x.iter_mut().zip(&self.unknowns) {
             *here = x[u as usize];
         }
@@ -332,8 +337,10 @@ impl Interface {
         }
         if transposed {
             self.solver.solve_transposed(&mut self.x);
-        } else {
+        } else if exact {
             self.solver.solve(&mut self.x);
+        } else {
+            self.solver.correct(&mut self.x);
         }
         for (here, &u) in self.x.iter().zip(&self.unknowns) {
             x[u as usize] = *here;

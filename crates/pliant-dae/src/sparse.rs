@@ -1,19 +1,22 @@
-//! Sparse factorisation: regularised LDL^T of symmetric matrices with refinement, LU of all others.
+//! Sparse factorisation with refinement: LDL^T of symmetric matrices, LU by fronts of all others, both regularised,
+//! and LU with pivots from everywhere where these fail.
 //!
 //! The matrix is scaled to unit diagonal on the primal part and to Jacobian rows of unit norm. The multipliers'
 //! diagonal is lowered by a tiny number, so that no order of elimination meets a zero pivot; refinement against the
 //! true matrix removes what this does to the solution. Without pivoting an indefinite primal block may still spoil
-//! the factors: every factorisation is probed by a known solution, and LU takes over where that comes back wrong. Where
-//! it comes back right at the first attempt, corrections inside iterations do without refinement, those of large systems
-//! with factors in single precision.
+//! the factors: every factorisation is probed by a known solution, and full pivoting takes over where that comes back
+//! wrong. Where it comes back right at the first attempt, corrections inside iterations do without refinement, those of
+//! large symmetric systems with factors in single precision.
 
 mod factors;
+mod fronts;
 mod pattern;
 mod single;
 
 use crate::linear_solver::{FactorError, LinearSolver, non_finite_element};
 use crate::structure::Structure;
-use factors::{Ldlt, Lu};
+use factors::{Failed, Ldlt, Lu};
+use fronts::Fronts;
 use pattern::{Move, Pattern};
 
 /// What the multipliers' diagonal is lowered by, after scaling.
@@ -32,20 +35,34 @@ pub(crate) struct Sparse {
     velocities: usize,
     pattern: Pattern,
     moves: Vec<Move>,
-    /// The scaled matrix, regularised where `factors` are LDL^T.
+    /// The scaled matrix, regularised unless by [`Method::Pivoted`].
     matrix: Vec<f64>,
     scale: Vec<f64>,
     /// Largest row sum of the scaled matrix.
     norm: f64,
-    ldlt: Option<Ldlt>,
-    lu: Option<WholeLu>,
-    /// Whether the last factorisation was LU.
-    by_lu: bool,
+    regular: Regular,
+    /// Takes over where the regular method fails; made when it first does.
+    pivoted: Option<WholeLu>,
+    /// How the matrix was factorised last.
+    by: Method,
     /// How corrections are solved for.
     correction: Correction,
     solution: Vec<f64>,
     residual: Vec<f64>,
     right: Vec<f64>,
+}
+
+/// The method that a structure asks for.
+enum Regular {
+    Ldlt(Ldlt),
+    Fronts(Fronts),
+}
+
+/// What the factors at hand come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Method {
+    Regular,
+    Pivoted,
 }
 
 /// How corrections are solved for.
@@ -68,7 +85,7 @@ struct WholeLu {
 }
 
 impl WholeLu {
-    fn new(pattern: &Pattern) -> Result<Self, factors::Failed> {
+    fn new(pattern: &Pattern) -> Result<Self, Failed> {
         let (pattern, from) = if pattern.upper {
             pattern.expanded()
         } else {
@@ -77,7 +94,7 @@ impl WholeLu {
         Ok(Self { lu: Lu::new(&pattern)?, matrix: vec![0.0; from.len()], pattern, from })
     }
 
-    fn factor(&mut self, matrix: &[f64]) -> Result<(), factors::Failed> {
+    fn factor(&mut self, matrix: &[f64]) -> Result<(), Failed> {
         for (a, &k) in self.matrix.iter_mut().zip(&self.from) {
             *a = matrix[k as usize];
         }
@@ -91,15 +108,19 @@ impl Sparse {
         let symmetric = structure.is_symmetric();
         let (pattern, moves) = Pattern::new(structure, symmetric);
         let too_large = |_| FactorError::TooLarge { unknowns: n };
-        let ldlt = if symmetric { Some(Ldlt::new(&pattern).map_err(too_large)?) } else { None };
+        let regular = if symmetric {
+            Regular::Ldlt(Ldlt::new(&pattern).map_err(too_large)?)
+        } else {
+            Regular::Fronts(Fronts::new(&pattern).map_err(too_large)?)
+        };
         Ok(Self {
             velocities: structure.velocities(),
             matrix: vec![0.0; pattern.rows.len()],
             scale: vec![1.0; n],
             norm: 0.0,
-            ldlt,
-            lu: None,
-            by_lu: !symmetric,
+            regular,
+            pivoted: None,
+            by: Method::Regular,
             correction: Correction::Refined,
             solution: vec![0.0; n],
             residual: vec![0.0; n],
@@ -181,7 +202,7 @@ impl Sparse {
         self.correction = Correction::Refined;
         if found.1 < ROUGH {
             self.correction = Correction::Plain;
-            if let Some(ldlt) = self.ldlt.as_mut().filter(|_| !self.by_lu)
+            if let (Regular::Ldlt(ldlt), Method::Regular) = (&mut self.regular, self.by)
                 && ldlt.copy_single()
             {
                 x.copy_from_slice(&b);
@@ -203,7 +224,7 @@ impl Sparse {
     /// `y -= A x` with the true, scaled matrix.
     fn subtract_product(&self, x: &[f64], y: &mut [f64], transposed: bool) {
         self.pattern.subtract_product(&self.matrix, x, y, transposed);
-        if !self.by_lu {
+        if self.by == Method::Regular {
             let from = self.velocities;
             for (y, x) in y[from..].iter_mut().zip(&x[from..]) {
                 *y -= REGULARISATION * x;
@@ -212,10 +233,11 @@ impl Sparse {
     }
 
     fn apply_factors(&mut self, x: &mut [f64], transposed: bool) {
-        match (&mut self.ldlt, &mut self.lu) {
-            (Some(ldlt), _) if !self.by_lu => ldlt.solve(x),
-            (_, Some(whole)) => whole.lu.solve(x, transposed),
-            _ => {}
+        match (self.by, &mut self.regular, &mut self.pivoted) {
+            (Method::Regular, Regular::Ldlt(ldlt), _) => ldlt.solve(x),
+            (Method::Regular, Regular::Fronts(fronts), _) => fronts.solve(x, transposed),
+            (Method::Pivoted, _, Some(whole)) => whole.lu.solve(x, transposed),
+            (Method::Pivoted, _, None) => {}
         }
     }
 
@@ -250,8 +272,8 @@ impl Sparse {
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;
         }
-        match (how, &mut self.ldlt) {
-            (Correction::Single, Some(ldlt)) => ldlt.solve_single(x),
+        match (how, &mut self.regular) {
+            (Correction::Single, Regular::Ldlt(ldlt)) => ldlt.solve_single(x),
             (Correction::Refined, _) => self.solve_scaled(x, transposed),
             _ => self.apply_factors(x, transposed),
         }
@@ -260,26 +282,29 @@ impl Sparse {
         }
     }
 
-    fn factor_ldlt(&mut self) -> Option<()> {
-        self.by_lu = false;
+    fn factor_regular(&mut self) -> Option<()> {
+        self.by = Method::Regular;
         self.shift_multipliers(-REGULARISATION);
-        let factored = self.ldlt.as_mut()?.factor(&self.pattern, &self.matrix).is_ok();
-        if factored && self.probe().1 < PROBE_TOLERANCE {
+        let factored = match &mut self.regular {
+            Regular::Ldlt(ldlt) => ldlt.factor(&self.pattern, &self.matrix),
+            Regular::Fronts(fronts) => fronts.factor(&self.matrix),
+        };
+        if factored.is_ok() && self.probe().1 < PROBE_TOLERANCE {
             return Some(());
         }
         self.shift_multipliers(REGULARISATION);
         None
     }
 
-    fn factor_lu(&mut self) -> Result<(), FactorError> {
+    fn factor_pivoted(&mut self) -> Result<(), FactorError> {
         let unknowns = self.pattern.size();
-        self.by_lu = true;
-        let mut whole = match self.lu.take() {
+        self.by = Method::Pivoted;
+        let mut whole = match self.pivoted.take() {
             Some(whole) => whole,
             None => WholeLu::new(&self.pattern).map_err(|_| FactorError::TooLarge { unknowns })?,
         };
         let factored = whole.factor(&self.matrix).is_ok();
-        self.lu = Some(whole);
+        self.pivoted = Some(whole);
         let (unknown, error) = if factored { self.probe() } else { (0, f64::INFINITY) };
         if error < PROBE_TOLERANCE { Ok(()) } else { Err(FactorError::Singular { unknown }) }
     }
@@ -293,10 +318,10 @@ impl LinearSolver for Sparse {
             Some(element) => FactorError::NotFinite { element },
             None => FactorError::Singular { unknown },
         })?;
-        if self.ldlt.is_some() && self.factor_ldlt().is_some() {
-            return Ok(());
+        match self.factor_regular() {
+            Some(()) => Ok(()),
+            None => self.factor_pivoted(),
         }
-        self.factor_lu()
     }
 
     fn solve(&mut self, x: &mut [f64]) {
@@ -308,8 +333,8 @@ impl LinearSolver for Sparse {
     }
 
     fn negative_eigenvalues(&self) -> Option<usize> {
-        match &self.ldlt {
-            Some(ldlt) if !self.by_lu => Some(ldlt.negative_pivots()),
+        match (self.by, &self.regular) {
+            (Method::Regular, Regular::Ldlt(ldlt)) => Some(ldlt.negative_pivots()),
             _ => None,
         }
     }
@@ -319,18 +344,23 @@ impl LinearSolver for Sparse {
     }
 
     fn factor_cost(&self) -> f64 {
-        if self.ldlt.is_some() { 10.0 } else { 20.0 }
+        match &self.regular {
+            Regular::Ldlt(_) => 10.0,
+            Regular::Fronts(_) => 15.0,
+        }
     }
 
     fn describe(&self) -> String {
         let n = self.pattern.size();
-        match &self.ldlt {
-            Some(ldlt) => {
+        match &self.regular {
+            Regular::Ldlt(ldlt) => {
                 let (entries, blocked) = ldlt.size();
                 let kind = if blocked { "supernodal" } else { "simplicial" };
                 format!("sparse {kind} LDL^T: {n} unknowns, {entries} entries in L")
             }
-            None => format!("sparse LU: {n} unknowns, {} entries", self.pattern.rows.len()),
+            Regular::Fronts(fronts) => {
+                format!("sparse LU by fronts: {n} unknowns, {} entries in L and U", fronts.size())
+            }
         }
     }
 }

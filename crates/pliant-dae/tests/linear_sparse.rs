@@ -62,6 +62,41 @@ fn an_indefinite_matrix_without_safe_pivots_is_solved() {
 }
 
 #[test]
+fn an_unsymmetric_matrix_without_safe_pivots_is_solved() {
+    let material = linear_support::Material { skew: 0.1, ..SOFT };
+    let mut b = Builder::new(5, material);
+    let nodes = b.nodes(40);
+    b.chain(&nodes);
+    // Each is the first to be eliminated and has nothing on its diagonal; its pivot lies in another block.
+    for pair in nodes.chunks_exact(20) {
+        let zero = b.group(1);
+        let mut matrix = vec![0.0; 13 * 13];
+        for (k, entry) in [(1, 2.0), (8, -3.0)] {
+            matrix[k] = entry;
+            matrix[k * 13] = 1.5 * entry;
+        }
+        b.element(&[zero, pair[0], pair[19]], matrix);
+    }
+    let system = b.build();
+    check(&system, SPARSE, 1e-11);
+    check(&system, DENSE, 1e-11);
+}
+
+#[test]
+fn wide_fronts_are_solved() {
+    let mut b = Builder::new(3, linear_support::Material { skew: 0.1, ..SOFT });
+    let groups: Vec<usize> = (0..9).map(|_| b.group(96)).collect();
+    for pair in [[0, 1], [1, 2], [3, 4], [4, 5], [2, 6], [5, 6], [6, 7], [7, 8], [0, 8]] {
+        // Unsymmetric, with small diagonals: rows must be exchanged.
+        let entry = |i: usize, j: usize| ((7 * i + 13 * j) as f64 + (i * j) as f64 * 0.1).sin();
+        let both = pair.map(|k| groups[k]);
+        b.element(&both, (0..36_864).map(|k| entry(k / 192, k % 192)).collect());
+    }
+    let solver = check(&b.build(), SPARSE, 1e-10);
+    assert!(solver.describe().contains("LU"), "{}", solver.describe());
+}
+
+#[test]
 fn a_floating_node_is_named() {
     for options in [DENSE, SPARSE] {
         let mut b = Builder::new(9, SOFT);

@@ -18,7 +18,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 #[derive(Debug)]
 pub(super) struct Failed;
 
-fn symbolic(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
+pub(super) fn symbolic(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
     let n = pattern.size();
     SymbolicSparseColMatRef::new_checked(n, n, &pattern.starts, None, &pattern.rows)
 }

@@ -117,6 +117,19 @@ impl Pattern {
         (pattern, from)
     }
 
+    /// The pattern's upper triangle alone.
+    pub(super) fn upper_part(&self) -> Self {
+        let mut part = Self { starts: vec![0], upper: true, ..Self::default() };
+        for j in 0..self.size() {
+            let rows = &self.rows[self.column(j)];
+            part.rows.extend(rows.iter().take_while(|&&i| i as usize <= j));
+            // Rows ascend: the diagonal entry comes last.
+            part.diagonal.push(part.rows.len() as u32 - 1);
+            part.starts.push(part.rows.len() as u32);
+        }
+        part
+    }
+
     /// Number of unknowns.
     pub(super) fn size(&self) -> usize {
         self.diagonal.len()
