@@ -8,7 +8,7 @@
 //! `c = r_m'.r_m' + d.r_m''`; it does not where an end is clamped.
 //!
 //! The points of a zone move with its ends. In the integral that adds nothing, for the force vanishes there; in a sum
-//! over three points it makes up for the ramp of the normal force, which they step over.
+//! over some points it makes up for the ramp of the normal force, which they step over.
 
 use crate::friction::{Friction, Response, Slip};
 use crate::normal::{Normal, Pressure};

@@ -165,6 +165,62 @@ fn a_line_across_a_node_touches_once() {
 }
 
 #[test]
+fn rounding_does_not_tear_zones_apart() {
+    // In the plane at a node up to rounding, to one side of it or to the other, or askew: one zone, as wide as ever.
+    let on = Vector3::x();
+    let before = piece(-on, on, Vector3::zeros(), on, 0.05);
+    let after = piece(Vector3::zeros(), on, on, on, 0.05);
+    let widths = [[0.0, 0.0], [1e-13, -1e-13], [-1e-13, 1e-13], [-1e-13, -1e-13], [1e-16, -3e-16]];
+    for offsets in widths {
+        let at = |y: f64, x: f64| Vector3::new(x, y, 0.09);
+        let along = (at(0.5, offsets[1]) - at(-0.5, offsets[0])).normalize();
+        let slave = piece(at(-0.5, offsets[0]), along, at(0.5, offsets[1]), along, 0.05);
+        let found: Vec<Patch> = [(&before, [true, false]), (&after, [false, true])]
+            .into_iter()
+            .flat_map(|(master, round)| {
+                let mut found = Vec::new();
+                Master::Line(master, round).touch(&slave, [false; 2], &mut found);
+                found
+            })
+            .collect();
+        assert_eq!(found.len(), 1, "{offsets:?}");
+        let width = found[0].zone.1 - found[0].zone.0;
+        // At a height of 0.09 lines at a right angle are 0.1 apart where y^2 = 0.01 - 0.0081.
+        assert!((width - 2.0 * 0.0019_f64.sqrt()).abs() < 1e-9, "{offsets:?}: {width}");
+        // The foot slides on to the other piece: the tangent must know.
+        assert!(found[0].points().iter().all(|p| p.place.slide.is_some()), "{offsets:?}");
+    }
+}
+
+#[test]
+fn force_is_the_slope_of_the_stored_energy() {
+    // Of crossing lines, from inside of the ramp to far beyond it.
+    let (r, d_0) = (5e-3, 2.5e-5);
+    let law = Normal { k: 1e6, d_0, c: 0.0 };
+    let master = straight(Vector3::zeros(), Vector3::x(), r);
+    let sums = |depth: f64| {
+        let slave = straight(Vector3::z() * (2.0 * r - depth), Vector3::y(), r);
+        let mut found = Vec::new();
+        Master::Line(&master, [false; 2]).touch(&slave, [false; 2], &mut found);
+        let points = found.iter().flat_map(Patch::points).map(|p| &p.place);
+        points.fold((0.0, 0.0), |(energy, force), place| {
+            let (p, _) = law.elastic(-place.gap);
+            // Of each point, along the way between the lines.
+            let force = force + place.weight * p * place.n.z.abs();
+            (energy + place.weight * law.energy(-place.gap), force)
+        })
+    };
+    for part in [0.2, 0.7, 1.0, 1.3, 2.0, 3.0, 5.0, 20.0] {
+        let depth = part * d_0;
+        let e = 1e-4 * depth;
+        let slope = (sums(depth + e).0 - sums(depth - e).0) / (2.0 * e);
+        let force = sums(depth).1;
+        // Five points of a zone through the kink of the ramp.
+        assert!((slope / force - 1.0).abs() < 7e-3, "{part}: {}", slope / force);
+    }
+}
+
+#[test]
 fn least_gap_is_that_of_the_zone() {
     for (degrees, delta) in [(90.0, 1e-5), (40.0, 1e-4), (15.0, 3e-4)] {
         let r = 1e-3;
@@ -209,7 +265,7 @@ fn crossing_lines_press_like_three_halves() {
         let slave = straight(Vector3::z() * (2.0 * r - delta), Vector3::new(cos, sin, 0.0), r);
         let (force, found) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e7);
         assert_eq!(found.len(), 1);
-        // Three Gauss points leave 4e-7 to 5e-4; the ramp's half, 5e-10, is 1e-4 of the mean depth at 1e-5.
+        // Gauss points leave less than 1e-6; the ramp's half, 5e-10, is 1e-4 of the mean depth at 1e-5.
         assert!(
             (force / exact - 1.0).abs() < 1e-3,
             "{degrees} deg, {delta}: {force}, expected {exact}"

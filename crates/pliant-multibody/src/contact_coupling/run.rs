@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
 use pliant_contact::curve::Piece;
 use pliant_contact::point::{Force, Laws, Motion};
-use pliant_contact::touch::{Master as Facing, Patch, Point as Place};
+use pliant_contact::touch::{Master as Facing, POINTS, Patch, Point as Place};
 use pliant_dae::problem::Point;
 
 /// Looks at the coordinates between two of all pairs that are few, and that are many.
@@ -257,9 +257,6 @@ fn touch(
         }
     }
 }
-
-/// Points of a patch at most.
-const POINTS: usize = 3;
 
 /// Which part of the forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
