@@ -14,7 +14,7 @@ use crate::error::{Error, Failure};
 pub use crate::integrator::{Integrator, Options, StepReport};
 use crate::newton::Verdict;
 use crate::passes::vectorised;
-use crate::problem::{Point, Problem};
+use crate::problem::{Kinks, Point, Problem};
 use crate::scaling::{first_not_finite, largest, magnitude, weighted_max, worst};
 pub use crate::state::{FactorPoint, State};
 use crate::statistics::Stopwatch;
@@ -109,32 +109,40 @@ impl<P: Problem> Integrator<P> {
             watch.lap(&mut self.statistics.seconds.other);
             self.factor(h, watch)?;
         }
-        let kinks = self.problem.has_kinks();
+        let kinks = self.problem.kinks();
         let mut newton = self.options.newton;
-        if kinks {
+        if kinks == Kinks::Many {
             // Shortened increments are many, and none is in vain.
             newton.max_iterations *= 3;
         }
+        // Norm of the constraints where a search has left the residual.
+        let mut known = None;
         loop {
             let floor = self.state.factor.floor;
             watch.lap(&mut self.statistics.seconds.other);
-            let phi = self.residual(h, watch)?;
-            if kinks {
+            let phi = match known.take() {
+                Some(phi) => phi,
+                None => self.residual(h, watch)?,
+            };
+            if kinks != Kinks::None {
                 self.work.direction.clone_from(&self.work.x);
             }
             self.solver.correct(&mut self.work.x);
             watch.lap(&mut self.statistics.seconds.solve);
-            let mut size = self.update(h);
+            let size = self.update(h);
             self.statistics.newton_iterations += 1;
             self.state.factor.age.iterations += 1;
-            // What is rounding goes to and fro, however short.
-            let part = if kinks && size > floor { self.shorten(h, watch)? } else { 1.0 };
-            size *= part;
             let mut verdict = self.work.monitor.judge(size, phi, floor, &newton);
-            if part < 1.0 && verdict != Verdict::Failed {
-                verdict = self.work.monitor.after_shortening(&newton);
+            // What is rounding goes to and fro, however short.
+            if kinks != Kinks::None && verdict != Verdict::Converged && size > floor {
+                let (part, phi) = self.shorten(h, watch)?;
+                known = Some(phi);
+                if part < 1.0 {
+                    verdict = self.work.monitor.after_shortening(part, &newton);
+                }
             }
             if verdict == Verdict::Stalled {
+                known = None;
                 verdict = if self.is_rounding_noise(size)? {
                     Verdict::Converged
                 } else {
@@ -147,36 +155,34 @@ impl<P: Problem> Integrator<P> {
                     watch.lap(&mut self.statistics.seconds.other);
                     self.factor(h, watch)?;
                 }
-                Verdict::Failed => return Err(self.failure(h)),
+                Verdict::Failed => {
+                    if known.is_some() {
+                        // Failures are told by increments.
+                        swap(&mut self.work.direction, &mut self.work.x);
+                    }
+                    return Err(self.failure(h));
+                }
                 Verdict::Continue | Verdict::Stalled => {}
             }
         }
     }
 
     /// Line search along the increment `d` that was just made, `direction` holding the right-hand side r that it
-    /// answers; returns the part of it that is kept. Where forces have a potential, `d.r` is minus its slope: it
-    /// changes its sign where the increment goes too far.
-    fn shorten(&mut self, h: f64, watch: &mut Stopwatch) -> Result<f64, Error> {
-        std::mem::swap(&mut self.work.direction, &mut self.work.x);
-        let part = self.search(h, watch);
-        // Failures are told by increments.
-        std::mem::swap(&mut self.work.direction, &mut self.work.x);
-        part
-    }
-
-    /// The search: `direction` holds the increment and `x` the right-hand side.
-    fn search(&mut self, h: f64, watch: &mut Stopwatch) -> Result<f64, Error> {
+    /// answers; returns the part of it that is kept, and leaves the right-hand side there with the constraints' norm.
+    /// Where forces have a potential, `d.r` is minus its slope: it changes its sign where the increment goes too far.
+    fn shorten(&mut self, h: f64, watch: &mut Stopwatch) -> Result<(f64, f64), Error> {
+        swap(&mut self.work.direction, &mut self.work.x);
         let n = self.work.next.v.len();
         let dot =
             |a: &[f64], b: &[f64]| -> f64 { a[..n].iter().zip(&b[..n]).map(|(a, b)| a * b).sum() };
         let start = dot(&self.work.direction, &self.work.x);
-        let mut slope = |this: &mut Self| -> Result<f64, Error> {
-            this.residual(h, watch)?;
-            Ok(dot(&this.work.direction, &this.work.x))
+        let mut slope = |this: &mut Self| -> Result<(f64, f64), Error> {
+            let phi = this.residual(h, watch)?;
+            Ok((dot(&this.work.direction, &this.work.x), phi))
         };
-        let full = slope(self)?;
+        let (full, mut phi) = slope(self)?;
         if start <= 0.0 || full >= -OVERSHOOT * start {
-            return Ok(1.0);
+            return Ok((1.0, phi));
         }
         // Illinois' rule between the ends (0, start) and (1, full).
         let (mut low, mut high) = ((0.0, start), (1.0, full));
@@ -188,7 +194,8 @@ impl<P: Problem> Integrator<P> {
             }
             self.update(h);
             part = next;
-            let here = slope(self)?;
+            let here;
+            (here, phi) = slope(self)?;
             if here.abs() <= OVERSHOOT * start {
                 break;
             }
@@ -200,7 +207,7 @@ impl<P: Problem> Integrator<P> {
                 low.1 *= 0.5;
             }
         }
-        Ok(part)
+        Ok((part, phi))
     }
 
     /// Right-hand side `-(beta h^2 force, phi)`; returns the constraints' norm.

@@ -117,9 +117,12 @@ impl Monitor {
         options.tolerance.min(options.reduction * first).max(floor)
     }
 
-    /// What to do after an increment that was shortened: its size says nothing about convergence.
-    pub(crate) fn after_shortening(&mut self, options: &NewtonOptions) -> Verdict {
+    /// What to do after an increment that was shortened to a part: its size says nothing about convergence.
+    pub(crate) fn after_shortening(&mut self, part: f64, options: &NewtonOptions) -> Verdict {
         self.growths = 0;
+        if let Some(last) = self.increments.last_mut() {
+            *last *= part;
+        }
         if self.increments.len() >= options.max_iterations {
             Verdict::Failed
         } else {

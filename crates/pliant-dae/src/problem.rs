@@ -35,6 +35,17 @@ pub struct Weights {
     pub jacobian: f64,
 }
 
+/// How often the slope of forces jumps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kinks {
+    /// Nowhere.
+    None,
+    /// Now and then, as where bodies begin to touch.
+    Few,
+    /// At many places, as in bodies whose parts pull but do not push: steps take many iterations, none in vain.
+    Many,
+}
+
 /// An evaluation failed: the state is outside the domain of the model (or an input could not be evaluated).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
@@ -95,10 +106,9 @@ pub trait Problem: Send {
         true
     }
 
-    /// Whether forces have many kinks, such as those of parts that pull but do not push: steps of Newton's iteration
-    /// that go too far are shortened then.
-    fn has_kinks(&self) -> bool {
-        false
+    /// Kinks of the forces: steps of Newton's iteration that go too far are shortened where there are any.
+    fn kinks(&self) -> Kinks {
+        Kinks::None
     }
 
     /// `force = M a + f + phi_q^T lambda_`, `phi`; both overwritten.

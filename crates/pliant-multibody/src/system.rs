@@ -23,7 +23,7 @@ use forces::{Room, gather};
 pub use growth::{Chosen, Growth};
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::LinearSolver;
-use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
+use pliant_dae::problem::{EvaluationError, Kinks, Point, Problem, Weights};
 use pliant_dae::redundancy::smallest_multipliers;
 use pliant_dae::structure::{Storage, Structure, entries, entry_number};
 use pliant_elements::{self as elements, Motion, Parameter, Workspace};
@@ -623,10 +623,17 @@ impl Problem for System {
             || self.model.forces.iter().any(|f| f.force.has_damping())
     }
 
-    /// Films that wrinkle, and cables that yield.
-    fn has_kinks(&self) -> bool {
-        !self.model.plastic.is_empty()
-            || self.model.blocks.surfaces.iter().any(|p| p.block.law().material.is_one_sided())
+    /// Films that wrinkle, and cables that yield; contact.
+    fn kinks(&self) -> Kinks {
+        let mut surfaces = self.model.blocks.surfaces.iter();
+        if !self.model.plastic.is_empty() || surfaces.any(|p| p.block.law().material.is_one_sided())
+        {
+            Kinks::Many
+        } else if self.model.contacts.is_empty() {
+            Kinks::None
+        } else {
+            Kinks::Few
+        }
     }
 
     fn residual(

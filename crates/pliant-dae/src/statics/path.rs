@@ -14,7 +14,7 @@ use super::{NOISE, Place, Search, StaticOptions, StaticPoint};
 use crate::error::{Error, check_length};
 use crate::linear_solver::LinearSolver;
 use crate::modes::{Mode, ModeOptions, solve_modes};
-use crate::problem::Problem;
+use crate::problem::{Kinks, Problem};
 use crate::redundancy::{leave_out_dependent, require_met};
 use crate::scaling::weighted_max;
 
@@ -276,7 +276,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             return Err(self.failure(load, 0.0, &[], 0));
         }
         let mut forward = self.product(&tangent[..n], before);
-        if forward == 0.0 || !self.problem.has_kinks() {
+        if forward == 0.0 || self.problem.kinks() != Kinks::Many {
             forward += rate_before;
         }
         let sign = if forward < 0.0 { -1.0 } else { 1.0 };

@@ -2,7 +2,7 @@
 #![allow(dead_code, missing_docs, clippy::unwrap_used)]
 
 use pliant_dae::linear_solver::{self, LinearSolver};
-use pliant_dae::problem::{EvaluationError, Point, Problem, Weights};
+use pliant_dae::problem::{EvaluationError, Kinks, Point, Problem, Weights};
 use pliant_dae::structure::{Storage, Structure};
 
 /// The solver that this structure gets by default.
@@ -279,8 +279,8 @@ impl Problem for Truss {
     fn constraint_scale(&self) -> &[f64] {
         &self.ones
     }
-    fn has_kinks(&self) -> bool {
-        self.tells_kinks
+    fn kinks(&self) -> Kinks {
+        if self.tells_kinks { Kinks::Many } else { Kinks::None }
     }
     fn has_damping(&self) -> bool {
         false

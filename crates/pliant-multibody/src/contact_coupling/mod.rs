@@ -54,6 +54,13 @@ impl Segment {
         Piece::new(self.vectors(q), self.length, self.radius)
     }
 
+    /// Its control points.
+    pub(super) fn control(&self, q: &[f64]) -> [Vector3<f64>; 4] {
+        let [a, t, b, u] = self.vectors(q);
+        let third = self.length / 3.0;
+        [a, a + t * third, b - u * third, b]
+    }
+
     /// Its four vectors at coordinates (or velocities) `q`.
     #[must_use]
     pub fn vectors(&self, q: &[f64]) -> [Vector3<f64>; 4] {
@@ -83,8 +90,46 @@ pub struct Contact {
     pub laws: Laws,
     /// On one line: points closer than this along it do not touch [m].
     pub window: f64,
-    /// Neighbourhoods of joints: arc lengths on slave and master, and how far from both nothing touches [m].
-    pub apart: Vec<[f64; 3]>,
+    /// Neighbourhoods of joints: arc lengths on slave and master, and how far from both nothing touches [m]; ascending.
+    apart: Vec<[f64; 3]>,
+    /// How far from any joint contact is less than full [m].
+    reach: f64,
+}
+
+/// A node, or a joint, at which an element of the slave and one of the master meet end to end; no other joint near them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    /// Whether it is at their second ends: of the slave's element, of the master's.
+    at_end: [bool; 2],
+    /// How far from it nothing touches [m].
+    width: f64,
+}
+
+impl Corner {
+    /// Whether the two are further apart than their radii wherever they may touch: a plane through the corner keeps
+    /// them apart, and they leave it fast enough.
+    fn parts(&self, [slave, master]: [&Segment; 2], q: &[f64]) -> bool {
+        let from_corner = |segment: &Segment, at_end: bool| {
+            let mut control = segment.control(q);
+            if at_end {
+                control.reverse();
+            }
+            control
+        };
+        let (a, b) = (from_corner(slave, self.at_end[0]), from_corner(master, self.at_end[1]));
+        let Some(u) = ((a[1] - a[0]).normalize() - (b[1] - b[0]).normalize()).try_normalize(1e-2)
+        else {
+            return false;
+        };
+        // Distance from the plane is x times a quadratic, which its Bernstein coefficients bound.
+        let leaves = |c: &[Vector3<f64>; 4], sign: f64| {
+            let away = |k: usize| sign * (c[k] - c[0]).dot(&u) * 3.0 / k as f64;
+            away(1).min(away(2)).min(away(3))
+        };
+        let needed = slave.radius + master.radius + (a[0] - b[0]).norm();
+        leaves(&a, 1.0) * self.width >= needed * slave.length
+            && leaves(&b, -1.0) * self.width >= needed * master.length
+    }
 }
 
 impl Contact {
@@ -107,7 +152,45 @@ impl Contact {
             let x = ((way - 1.0) / BLEND).clamp(0.0, 1.0);
             x * x * (3.0 - 2.0 * x)
         };
-        self.apart.iter().map(beyond).fold(1.0, f64::min)
+        self.joints((slave, slave)).iter().map(beyond).fold(1.0, f64::min)
+    }
+
+    /// Joints near a part of the slave.
+    fn joints(&self, (from, to): (f64, f64)) -> &[[f64; 3]] {
+        let begin = self.apart.partition_point(|[s, ..]| *s < from - self.reach);
+        let end = self.apart.partition_point(|[s, ..]| *s <= to + self.reach);
+        &self.apart[begin..end.max(begin)]
+    }
+
+    /// Where two elements meet.
+    pub(super) fn corner(&self, slave: &Segment, master: &Segment) -> Option<Corner> {
+        let ends = |segment: &Segment| [segment.start, segment.start + segment.length];
+        let ([from, to], of_master) = (ends(slave), ends(master));
+        let near = |[_, m, _]: &&[f64; 3]| {
+            (of_master[0] - self.reach..=of_master[1] + self.reach).contains(m)
+        };
+        let mut joints = self.joints((from, to)).iter().filter(near);
+        let (first, second) = (joints.next(), joints.next());
+        if second.is_some() {
+            return None;
+        }
+        let Some(&[s, m, width]) = first else {
+            let follows = |a: &Segment, b: &Segment| {
+                self.is_self() && !a.last && (a.start + a.length - b.start).abs() <= 1e-9 * a.length
+            };
+            let at_end = [follows(slave, master), follows(master, slave)];
+            return (at_end[0] != at_end[1]).then_some(Corner { at_end, width: self.window });
+        };
+        let end = |segment: &Segment, at: f64| -> Option<bool> {
+            let close = 1e-9 * segment.length;
+            let [start, stop] = ends(segment);
+            if (at - start).abs() <= close {
+                Some(false)
+            } else {
+                ((at - stop).abs() <= close).then_some(true)
+            }
+        };
+        Some(Corner { at_end: [end(slave, s)?, end(master, m)?], width })
     }
 }
 
@@ -176,7 +259,10 @@ impl Contacts {
                 this.frequency = this.frequency.max((contact.stiffness / least).sqrt());
             }
             let apart = arrays.get(&contact.apart, &place)?;
-            let apart = (0..apart.len() / 3).map(|i| crate::document::row(apart, i)).collect();
+            let mut apart: Vec<[f64; 3]> =
+                (0..apart.len() / 3).map(|i| crate::document::row(apart, i)).collect();
+            apart.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+            let reach = apart.iter().fold(0.0, |most, a| f64::max(most, a[2])) * (1.0 + BLEND);
             if let Master::Line(other) = master {
                 this.by_lines.insert((slave.min(other), slave.max(other)), this.list.len());
             }
@@ -193,6 +279,7 @@ impl Contacts {
                 )?,
                 window: contact.window,
                 apart,
+                reach,
             });
         }
         let radii = this.lines.iter().flatten().map(|s| s.radius);

@@ -6,7 +6,6 @@
 use super::run::{Candidate, Search};
 use super::{Contacts, Master};
 use nalgebra::Vector3;
-use pliant_contact::curve::Piece;
 
 /// Chords that stand for a piece.
 const CHORDS: usize = 4;
@@ -50,15 +49,23 @@ fn facing(a: [Vector3<f64>; 2], b: [Vector3<f64>; 2]) -> Option<(f64, f64, f64)>
 /// All crossings of candidates at `q`.
 fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
     let mut found = Vec::new();
-    let points = |p: Piece| -> [Vector3<f64>; CHORDS + 1] {
-        std::array::from_fn(|i| p.at(i as f64 / CHORDS as f64))
+    let points = |b: &[Vector3<f64>; 4]| -> [Vector3<f64>; CHORDS + 1] {
+        std::array::from_fn(|i| {
+            let x = i as f64 / CHORDS as f64;
+            let y = 1.0 - x;
+            b[0] * (y * y * y) + (b[1] * y + b[2] * x) * (3.0 * x * y) + b[3] * (x * x * x)
+        })
     };
     let inside = |x: f64| (0.0..1.0).contains(&x);
-    for &Candidate { contact, slave: e, master: m, .. } in search.candidates() {
+    for candidate in search.candidates() {
+        let &Candidate { contact, slave: e, master: m, .. } = candidate;
         let this = &contacts.list[contact];
         let Master::Line(line) = this.master else { continue };
+        if candidate.parts(contacts, q) {
+            continue;
+        }
         let (slave, master) = (&contacts.lines[this.slave][e], &contacts.lines[line][m]);
-        let (a, b) = (points(slave.piece(q)), points(master.piece(q)));
+        let (a, b) = (points(&slave.control(q)), points(&master.control(q)));
         for i in 0..CHORDS {
             for j in 0..CHORDS {
                 let Some((s, t, side)) = facing([a[i], a[i + 1]], [b[j], b[j + 1]]) else {

@@ -2,7 +2,7 @@
 
 use super::memory::{Bristle, ContactMemory, Pair};
 use super::report::Report;
-use super::{Contact, Contacts, Master};
+use super::{Contact, Contacts, Corner, Master};
 use crate::probes::find::Found;
 use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
@@ -80,6 +80,25 @@ pub struct Candidate {
     pub master: usize,
     /// Length by which they were apart then, at least [m].
     clearance: f64,
+    /// Where they meet.
+    corner: Option<Corner>,
+}
+
+impl Candidate {
+    /// Whether the two meet in a corner and touch nowhere else.
+    pub(super) fn parts(&self, contacts: &Contacts, q: &[f64]) -> bool {
+        let contact = &contacts.list[self.contact];
+        match (&contact.master, self.corner) {
+            (Master::Line(line), Some(corner)) => {
+                let pair = [
+                    &contacts.lines[contact.slave][self.slave],
+                    &contacts.lines[*line][self.master],
+                ];
+                corner.parts(pair, q)
+            }
+            _ => false,
+        }
+    }
 }
 
 /// Scratch of the search: candidates hold while nothing has moved far. Nothing of it changes what is found.
@@ -133,13 +152,13 @@ impl Search {
             }
         }
         let least = 0.5 * contacts.radius;
-        // Wide margins keep more pairs that are apart, narrow ones have all of them looked at more often.
+        // Wide margins keep more pairs that are apart, narrow ones have all of them looked at more often. How far things
+        // moved does not count beyond: an iteration that goes astray would make all of them candidates.
+        let most = 8.0 * least;
         self.margin = match self.looks {
             _ if moved.is_infinite() => least,
-            0..OFTEN => {
-                f64::max(2.0 * self.margin, 2.0 * moved).min(f64::max(8.0 * least, 2.0 * moved))
-            }
-            OFTEN..=SELDOM => f64::max(self.margin, 2.0 * moved),
+            0..OFTEN => f64::max(2.0 * self.margin, 2.0 * moved).min(most),
+            OFTEN..=SELDOM => f64::max(self.margin, 2.0 * moved).min(most),
             _ => f64::max(least, 0.5 * self.margin),
         };
         self.candidates = candidates(contacts, q, self.margin);
@@ -166,15 +185,18 @@ fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<Candidate> {
     let clearance = |&(contact, slave, master): &(usize, usize, usize)| {
         let this = &contacts.list[contact];
         let piece = contacts.lines[this.slave][slave].piece(q);
+        let mut corner = None;
         let clearance = match &this.master {
             Master::Shape(shape) => Facing::Shape(shape).clearance(&piece),
             Master::Line(line) => {
                 let segment = &contacts.lines[*line][master];
+                corner = this.corner(&contacts.lines[this.slave][slave], segment);
                 Facing::Line(&segment.piece(q), segment.round).clearance(&piece)
             }
         };
         // Less what rounding may hide: what is found must not depend on where the search last looked at all.
-        Candidate { contact, slave, master, clearance: clearance - 1e-6 * contacts.thinnest }
+        let clearance = clearance - 1e-6 * contacts.thinnest;
+        Candidate { contact, slave, master, clearance, corner }
     };
     near(contacts, q, margin).iter().map(clearance).collect()
 }
@@ -233,6 +255,9 @@ fn touch(
     let &Candidate { contact: number, slave: e, master: m, .. } = candidate;
     let contact = &contacts.list[number];
     let slave = &contacts.lines[contact.slave][e];
+    if candidate.parts(contacts, q) {
+        return;
+    }
     let piece = slave.piece(q);
     let (mut starts, mut lengths) = ([slave.start, 0.0], [slave.length, 0.0]);
     found.clear();
