@@ -59,6 +59,6 @@ def save(figure: Figure, name: str, **options: Any) -> Path:
     path = OUT / f"{name}.png"
     figure.savefig(path, **{"dpi": 130, **options})
     with Image.open(path) as picture:
-        few = picture.convert("RGB").quantize(colors=128)
+        few = picture.convert("RGB").quantize()
     few.save(path, optimize=True)
     return path

@@ -24,6 +24,7 @@ __all__ = ["export_html"]
 FRAMES = 400  # at most
 NUMBERS = 1_500_000  # in the page, about: three coordinates and three quantities a point
 ARROWS = 60  # at most
+LABELS = {**COLORS, "regime": "taut 0, wrinkled 1, slack 2", "color": "given values"}
 
 
 def export_html(result: Result, path: str | os.PathLike[str], color: Any = None) -> None:
@@ -37,7 +38,7 @@ def export_html(result: Result, path: str | os.PathLike[str], color: Any = None)
     data = {
         "time": result.time[frames].tolist(),
         "unit": "load factor" if result.is_static else "s",
-        "labels": {**COLORS, "color": "given values"},
+        "labels": LABELS,
         "color": shown,
         "up": up_of(result).tolist(),
         "gravity": float(np.linalg.norm(result.model.gravity)),
@@ -79,7 +80,7 @@ def _body(drawing: Drawing) -> Json:
             "axes": _floats(drawing.axes),
             "rates": _floats(drawing.rates),
         }
-    entry["values"] = {key: _packed(values) for key, values in drawing.values.items() if values.ndim == 2}
+    entry["values"] = {key: _packed(values) for key, values in drawing.values.items() if key in LABELS}
     entry["points"] = _packed(drawing.points)
     if isinstance(drawing, Lines):
         return {**entry, "kind": "lines", "strands": drawing.strands.tolist(), "radius": drawing.radius}

@@ -43,6 +43,7 @@ MAP = "viridis"
 FORCE = "#e08714"
 GROUND, EDGE = "#c3ccd5", "#93a0ad"
 CLARITY = {"plane": 0.45, "solid": 0.6, "mesh": 0.5, "bore": 0.12}  # opacity of obstacles
+FILLED = np.array([0.9, 0.74])  # of width and height, by the box of pictures in space; labels take the rest
 STRIP = 0.03  # of a half-space below its plane in flat pictures, over the size of the motion
 
 
@@ -139,11 +140,25 @@ class Picture:
         # Long axes lie across the picture; the eye is a little above.
         turned = extent[0] >= extent[1]
         axes.view_init(elev=22, azim=-62 if turned else -28, vertical_axis="zyx"[int(self._vertical())])
-        axes.set_box_aspect(extent, zoom=0.92)
+        zoom = 1.0
+        for _ in range(2):  # nearly proportional: a box in perspective
+            axes.set_box_aspect(extent, zoom=zoom)
+            zoom /= self._reach(axes)
+        axes.set_box_aspect(extent, zoom=zoom)
         axes.tick_params(labelsize=8)
         for k, name in enumerate("xyz"):
             axes.locator_params(axis=name, nbins=5 if extent[k] > 0.4 * extent.max() else 2)
         return axes
+
+    def _reach(self, axes: Any) -> float:
+        """Tell how far the box reaches to where the labels of axes in space begin, 1 being there."""
+        from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
+
+        corners = np.array(np.meshgrid(*np.transpose(self.extent))).reshape(3, -1)
+        seen = np.array(proj3d.proj_transform(*corners, axes.get_proj())[:2]).T
+        window = axes.viewLim
+        middle = (window.min + window.max) / 2
+        return float((np.abs(seen - middle) / (FILLED * (window.max - middle))).max())
 
     def _vertical(self) -> int:
         """Say which axis is upright, 0 for z."""

@@ -134,7 +134,7 @@ def scenery(result: Result, motion: Extent | None = None) -> tuple[Extent, list[
 
 def spacing(extent: Extent) -> float:
     """Distance of the lines of a grid [m]: 1, 2 or 5 times a power of ten."""
-    rough = extent.size / 6
+    rough = extent.size / 10
     power = 10.0 ** np.floor(np.log10(rough))
     return float(power * max(k for k in (1, 2, 5) if k * power <= rough * (1 + 1e-9)))
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pliant as pl
 import pytest
+from mpl_toolkits.mplot3d import proj3d
 from pliant.plotting import Picture
 from pliant.scenery import Extent, scenery, spacing
 from scipy.spatial.transform import Rotation
@@ -227,18 +228,50 @@ def test_pictures_in_space_end_where_the_bodies_do() -> None:
     assert np.ptp(limits, axis=1).max() <= 2.0 * 1.5 * 1.04 + ROUNDING
 
 
-def test_pages_hold_the_obstacles(result: pl.Result, tmp_path: Path) -> None:
-    result.export_html(tmp_path / "page.html")
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+@pytest.mark.parametrize("far", [(1, 1, 0.1), (0.1, 0.1, 1), (1, 0.1, 0.1), (1, 1, 1)])
+def test_pictures_in_space_fill_their_axes(far: tuple[float, float, float]) -> None:
+    model = pl.Model()
+    for k, place in enumerate([(0, 0, 0), far]):
+        model.add_point_mass(1.0, at=place, name=f"ball{k}")
+    picture = Picture(pl.simulate(model, duration=1e-3, step=1e-3), np.array([0]), None)
+    corners = np.array(np.meshgrid(*np.transpose(picture.extent))).reshape(3, -1)
+    seen = np.array(proj3d.proj_transform(*corners, picture.axes.get_proj())[:2]).T
+    window = picture.axes.viewLim
+    share = np.abs(2 * (seen - (window.min + window.max) / 2) / window.size).max(axis=0)
+    # Room for labels, more above and below; what scaling a perspective leaves after two rounds is below 2 %.
+    assert (share / (0.9, 0.74)).max() == pytest.approx(1.0, abs=0.02)
+
+
+def page_data(path: Path) -> Any:
+    """Read what a page draws."""
+    text = path.read_text(encoding="utf-8")
     found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.S)
     assert found
-    data = json.loads(found.group(1))
+    return json.loads(found.group(1))
+
+
+def test_pages_hold_the_obstacles(result: pl.Result, tmp_path: Path) -> None:
+    result.export_html(tmp_path / "page.html")
+    data = page_data(tmp_path / "page.html")
     assert [(one["name"], one["kind"]) for one in data["scenery"]] == [
         ("ground", "plane"),
         ("drum", "solid"),
         ("guide", "bore"),
     ]
     assert data["grid"] == 0.1
+
+
+def test_pages_have_a_name_for_every_colour(tmp_path: Path) -> None:
+    model = pl.Model()
+    rubber = pl.LinearElastic(1e6, 0.45, 1000.0)
+    film = model.add_membrane(pl.Mesh.rectangle(1.0, 1.0, divisions=(2, 2)), thickness=1e-3, material=rubber)
+    line = [(0, 0, 1), (1, 0, 1)]
+    model.add_cable(line, elements=2, section=pl.Circle(5e-3), material=rubber, name="rope")
+    pl.simulate(model, duration=1e-3, step=1e-3).export_html(tmp_path / "page.html")
+    data = page_data(tmp_path / "page.html")
+    offered = {body["name"]: set(body["values"]) for body in data["bodies"]}
+    assert offered == {film.name: {"strain", "regime", "speed"}, "rope": {"strain", "axial_force", "speed"}}
+    assert set.union(*offered.values()) <= set(data["labels"])
 
 
 def test_files_for_paraview_hold_the_obstacles_once(result: pl.Result, tmp_path: Path) -> None:
