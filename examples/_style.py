@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,8 +54,11 @@ def slope_triangle(axes: Axes, x: float, y: float, order: float) -> None:
 
 
 def save(figure: Figure, name: str, **options: Any) -> Path:
-    """Write a picture to ``out/examples/`` and return its path."""
+    """Write a picture to ``out/examples/``, in few colours to keep it small, and return its path."""
     OUT.mkdir(parents=True, exist_ok=True)
     path = OUT / f"{name}.png"
     figure.savefig(path, **{"dpi": 130, **options})
+    with Image.open(path) as picture:
+        few = picture.convert("RGB").quantize()
+    few.save(path, optimize=True)
     return path

@@ -188,7 +188,8 @@ def picture(coiling: Coiling) -> Figure:
         space.text(end[0], end[1], end[2] + (5 if share else 14), label, fontsize=8.5, color=INK, ha="center")
     low, high = places.reshape(-1, 3).min(axis=0), places.reshape(-1, 3).max(axis=0)
     space.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    space.set_box_aspect(high - low, zoom=1.05)
+    # In perspective what is near is larger than the box: room for it.
+    space.set_box_aspect(high - low, zoom=0.95)
     space.set_axis_off()
     space.view_init(elev=20, azim=-75)
     space.set_title(f"A free tape of {LENGTH * 1e3:.0f} mm coils up", fontsize=10.5, loc="left")

@@ -21,15 +21,30 @@ import pliant as pl
 from _audit import Audited, audit, draw_energies
 from _style import BLUE, GREY, INK, RED, new_figure, plain, save, seen_from
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 MASS = 0.014
 """Of the rope, per length [kg/m]."""
+SIGHT = (-60, 22)
+"""From where the rope is seen: azimuth and elevation [degrees]."""
 
 
 def run(**sizes: Any) -> Audited:
     """Let the rope down."""
     return audit(pl.scenes.rope_coiling, mass=MASS, **sizes)
+
+
+def draw_ground(axes: Axes, points: np.ndarray, beyond: float = 15.0, step: float = 20.0) -> None:
+    """Draw a piece of the ground under points (n, 3), with a grid [mm]."""
+    low, high = points[:, :2].min(axis=0) - beyond, points[:, :2].max(axis=0) + beyond
+    corners = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
+    axes.fill(*seen_from(np.column_stack([corners, np.zeros(4)]), *SIGHT).T, color=GREY, alpha=0.25)
+    for axis in (0, 1):
+        for place in np.arange(np.ceil(low[axis] / step) * step, high[axis], step):
+            line = np.zeros((2, 3))
+            line[:, axis], line[:, 1 - axis] = place, (low[1 - axis], high[1 - axis])
+            axes.plot(*seen_from(line, *SIGHT).T, color=GREY, linewidth=0.6, alpha=0.7)
 
 
 def picture(coiled: Audited) -> Figure:
@@ -40,8 +55,9 @@ def picture(coiled: Audited) -> Figure:
     figure = new_figure(11, 7.4)
     grid = figure.add_gridspec(2, 3, width_ratios=[0.6, 1, 1])
     space = figure.add_subplot(grid[:, 0])
+    draw_ground(space, lines[-1])
     for points, shade in zip(lines, (0.65, 0.2), strict=True):
-        space.plot(*seen_from(points, -60, 22).T, color=colormaps["viridis"](shade), linewidth=1.8)
+        space.plot(*seen_from(points, *SIGHT).T, color=colormaps["viridis"](shade), linewidth=1.8)
     space.set_aspect("equal")
     space.set_axis_off()
     space.set_title("Half way and at the end", fontsize=10.5, loc="left")
@@ -70,13 +86,10 @@ def picture(coiled: Audited) -> Figure:
     ground = figure.add_subplot(grid[1, 1])
     force = result.contact_force(rope, "ground")[:, 2]
     ground.plot(result.time, force, color=GREY, linewidth=0.8, label="force on the ground")
-    weight = rope.mass_per_length if hasattr(rope, "mass_per_length") else 0.014
     lying = np.pi * measured["first radius"] + laid
-    ground.plot(
-        result.time, 9.81 * weight * lying, color=RED, linewidth=1.4, label="weight of what lies there"
-    )
+    ground.plot(result.time, 9.81 * MASS * lying, color=RED, linewidth=1.4, label="weight of what lies there")
     ground.legend(frameon=False, fontsize=8.5)
-    ground.set_ylim(bottom=0, top=1.6 * 9.81 * weight * lying.max())
+    ground.set_ylim(bottom=0, top=1.6 * 9.81 * MASS * lying.max())
     plain(ground, "t [s]", "N", "The ground bears more than lies on it")
     draw_energies(figure.add_subplot(grid[1, 2]), result, "Energies", unit="mJ", scale=1e-3)
     return figure

@@ -83,7 +83,7 @@ def draw(axes: Any, places: list[np.ndarray], faces: tuple[np.ndarray, ...], hal
     axes.set_xlim(-1.4 * half, 1.4 * half)
     axes.set_ylim(-1.4 * half, 1.4 * half)
     axes.set_zlim(-0.7 * half, 0.7 * half)
-    axes.set_box_aspect((1, 1, 0.5), zoom=1.75)
+    axes.set_box_aspect((1, 1, 0.5), zoom=1.45)
     axes.view_init(elev=50, azim=-70)
     axes.set_axis_off()
 
@@ -119,7 +119,8 @@ def picture(opening: Opening) -> Figure:
     axes.plot(found["time"], 1e3 * found["angular momentum"], color=BLUE, linewidth=1.4)
     closed = 1e3 * sizes.inertia * sizes.spin
     axes.axhline(closed, color=INK, linewidth=0.8, linestyle=":")
-    axes.annotate("flat, turning with the hub", (0.02 * found["time"][-1], 1.01 * closed), va="bottom")
+    middle = (0.525 * found["time"][-1], 1.01 * closed)
+    axes.annotate("flat, turning\nwith the hub", middle, va="bottom", ha="center", fontsize=9)
     plain(axes, "t [s]", "angular momentum of the sail [g m$^2$/s]", "What the motor has given")
     return figure
 

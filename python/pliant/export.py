@@ -13,6 +13,7 @@ import numpy as np
 
 from pliant.drawing import COLORS, Drawing, Lines, Marker, Solid, Surface, arrows, draw, frames_of, up_of
 from pliant.files import atomic
+from pliant.scenery import Scenery, extent_of, scenery, spacing
 from pliant.typing import FloatArray, IntArray, Json
 
 if TYPE_CHECKING:
@@ -23,22 +24,27 @@ __all__ = ["export_html"]
 FRAMES = 400  # at most
 NUMBERS = 1_500_000  # in the page, about: three coordinates and three quantities a point
 ARROWS = 60  # at most
+LABELS = {**COLORS, "regime": "taut 0, wrinkled 1, slack 2", "color": "given values"}
 
 
 def export_html(result: Result, path: str | os.PathLike[str], color: Any = None) -> None:
     """Write the page; see :meth:`pliant.Result.export_html`."""
     frames = frames_of(result, FRAMES)
     points = int(np.clip(NUMBERS // (6 * len(frames)), 200, 4000))
-    bodies = [_body(drawing) for drawing in draw(result, frames, color, points)]
+    drawings = draw(result, frames, color, points)
+    extent, obstacles = scenery(result, extent_of(drawings))
+    bodies = [_body(drawing) for drawing in drawings]
     shown = color if isinstance(color, str) else "" if color is None else "color"
     data = {
         "time": result.time[frames].tolist(),
         "unit": "load factor" if result.is_static else "s",
-        "labels": {**COLORS, "color": "given values"},
+        "labels": LABELS,
         "color": shown,
         "up": up_of(result).tolist(),
         "gravity": float(np.linalg.norm(result.model.gravity)),
         "bodies": bodies,
+        "grid": spacing(extent),
+        "scenery": [_obstacle(obstacle) for obstacle in obstacles],
         "arrows": [
             {
                 "name": arrow.name,
@@ -74,7 +80,7 @@ def _body(drawing: Drawing) -> Json:
             "axes": _floats(drawing.axes),
             "rates": _floats(drawing.rates),
         }
-    entry["values"] = {key: _packed(values) for key, values in drawing.values.items() if values.ndim == 2}
+    entry["values"] = {key: _packed(values) for key, values in drawing.values.items() if key in LABELS}
     entry["points"] = _packed(drawing.points)
     if isinstance(drawing, Lines):
         return {**entry, "kind": "lines", "strands": drawing.strands.tolist(), "radius": drawing.radius}
@@ -82,6 +88,18 @@ def _body(drawing: Drawing) -> Json:
         return {**entry, "kind": "surface", "triangles": _indices(drawing.triangles)}
     assert isinstance(drawing, Marker)
     return {**entry, "kind": "marker"}
+
+
+def _obstacle(obstacle: Scenery) -> Json:
+    """Write what stands still."""
+    return {
+        "name": obstacle.name,
+        "kind": obstacle.kind,
+        "points": _floats(obstacle.points),
+        "normals": _floats(obstacle.normals),
+        "triangles": _indices(obstacle.triangles),
+        "lines": _floats(obstacle.lines),
+    }
 
 
 def _packed(values: FloatArray) -> Json:

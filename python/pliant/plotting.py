@@ -26,6 +26,7 @@ from pliant.drawing import (
 )
 from pliant.errors import FileError
 from pliant.files import atomic
+from pliant.scenery import Scenery, extent_of, scenery
 from pliant.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -40,6 +41,10 @@ SHOWN_OF_NETS = 3  # where there are many strands, or solids and surfaces
 LIGHT = np.array([-0.35, -0.5, 0.8]) / np.linalg.norm([-0.35, -0.5, 0.8])
 MAP = "viridis"
 FORCE = "#e08714"
+GROUND, EDGE = "#c3ccd5", "#93a0ad"
+CLARITY = {"plane": 0.45, "solid": 0.6, "mesh": 0.5, "bore": 0.12}  # opacity of obstacles
+FILLED = np.array([0.9, 0.74])  # of width and height, by the box of pictures in space; labels take the rest
+STRIP = 0.03  # of a half-space below its plane in flat pictures, over the size of the motion
 
 
 def _matplotlib() -> ModuleType:
@@ -85,11 +90,10 @@ class Picture:
         self.up = up_of(result)
         self.key = color if isinstance(color, str) else "color"
         self.cycle = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
-        spans = np.concatenate([_places(d) for d in self.drawings])
-        low, high = spans.min(axis=0), spans.max(axis=0)
-        self.low, self.high = low, high
-        self.size = max(float((high - low).max()), 1e-9)
-        flat = [k for k in range(3) if high[k] - low[k] < 1e-6 * self.size]
+        motion = extent_of(self.drawings)
+        self.extent, self.scenery = scenery(result, motion)
+        self.size = max(motion.size, 1e-9)
+        flat = [k for k in range(3) if motion.high[k] - motion.low[k] < 1e-6 * self.size]
         self.shown = [k for k in range(3) if not flat or k != flat[0]]
         values = [d.values[self.key] for d in self.drawings if color is not None and self.key in d.values]
         self.norm = Normalize(min(v.min() for v in values), max(v.max() for v in values)) if values else None
@@ -107,6 +111,8 @@ class Picture:
                 shrink=0.75,
                 pad=0.1 if self.in_space else 0.02,
             )
+        for obstacle in self.scenery:
+            self._scenery(obstacle)
         self.artists: list[Any] = []
 
     @property
@@ -119,30 +125,68 @@ class Picture:
         axes.set_aspect("equal", adjustable="datalim")
         axes.grid(alpha=0.25)
         # The limits are those of the whole motion, whatever is drawn of it.
-        axes.update_datalim([self.low[self.shown], self.high[self.shown]])
+        axes.update_datalim([corner[self.shown] for corner in self.extent])
         axes.autoscale_view()
         return axes
 
     def _axes_in_space(self) -> Any:
         axes: Any = self.figure.add_subplot(projection="3d", computed_zorder=False)
-        extent = np.maximum(self.high - self.low, 0.15 * self.size)
-        middle = (self.high + self.low) / 2
+        low, high = self.extent
+        extent = high - low
         for k, name in enumerate("xyz"):
-            getattr(axes, f"set_{name}lim")(middle[k] - 0.52 * extent[k], middle[k] + 0.52 * extent[k])
+            getattr(axes, f"set_{name}lim")(low[k], high[k])
             getattr(axes, f"{name}axis").set_pane_color((0.97, 0.975, 0.98, 1.0))
             getattr(axes, f"{name}axis")._axinfo["grid"].update(color="#dde3e9", linewidth=0.7)
         # Long axes lie across the picture; the eye is a little above.
         turned = extent[0] >= extent[1]
         axes.view_init(elev=22, azim=-62 if turned else -28, vertical_axis="zyx"[int(self._vertical())])
-        axes.set_box_aspect(extent, zoom=0.92)
+        zoom = 1.0
+        for _ in range(2):  # nearly proportional: a box in perspective
+            axes.set_box_aspect(extent, zoom=zoom)
+            zoom /= self._reach(axes)
+        axes.set_box_aspect(extent, zoom=zoom)
         axes.tick_params(labelsize=8)
         for k, name in enumerate("xyz"):
-            axes.locator_params(axis=name, nbins=5 if extent[k] > 0.4 * self.size else 2)
+            axes.locator_params(axis=name, nbins=5 if extent[k] > 0.4 * extent.max() else 2)
         return axes
+
+    def _reach(self, axes: Any) -> float:
+        """Tell how far the box reaches to where the labels of axes in space begin, 1 being there."""
+        from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
+
+        corners = np.array(np.meshgrid(*np.transpose(self.extent))).reshape(3, -1)
+        seen = np.array(proj3d.proj_transform(*corners, axes.get_proj())[:2]).T
+        window = axes.viewLim
+        middle = (window.min + window.max) / 2
+        return float((np.abs(seen - middle) / (FILLED * (window.max - middle))).max())
 
     def _vertical(self) -> int:
         """Say which axis is upright, 0 for z."""
         return int({2: 0, 1: 1, 0: 2}[int(np.abs(self.up).argmax())])
+
+    def _scenery(self, obstacle: Scenery) -> None:
+        """Draw an obstacle: light, and under all bodies, so that it hides none."""
+        faces, lines = obstacle.points[obstacle.triangles], obstacle.lines
+        look: dict[str, Any] = {"alpha": CLARITY[obstacle.kind], "linewidths": 0, "zorder": 0.5}
+        edges: dict[str, Any] = {"colors": EDGE, "alpha": 0.7, "linewidths": 0.5, "zorder": 0.6}
+        if self.in_space:
+            from matplotlib.colors import to_rgb
+            from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection  # type: ignore[import-untyped]
+
+            colors = _shaded(faces, np.array(to_rgb(GROUND)), two_sided=True)
+            self.axes.add_collection3d(Poly3DCollection(faces, facecolors=colors, **look))
+            self.axes.add_collection3d(Line3DCollection(lines, **edges))
+            return
+        from matplotlib.collections import LineCollection, PolyCollection
+
+        seen = faces[:, :, self.shown]
+        if obstacle.kind in ("plane", "solid"):
+            # Of a half-space a strip below its plane is shown.
+            depth = STRIP * self.size if obstacle.kind == "plane" else 0.0
+            solid = np.concatenate([obstacle.points, obstacle.points - depth * obstacle.normals])
+            seen = _hull(solid[:, self.shown])[None]
+        self.axes.add_collection(PolyCollection(list(seen), facecolors=GROUND, **look), autolim=False)
+        self.axes.add_collection(LineCollection(list(lines[:, :, self.shown]), **edges), autolim=False)
 
     def clear(self) -> None:
         """Take away what was drawn."""
@@ -200,18 +244,19 @@ class Picture:
 
     def _lines(self, drawing: Lines, frame: int, plain: str, strength: float) -> None:
         from matplotlib.collections import LineCollection
-        from mpl_toolkits.mplot3d.art3d import Line3DCollection  # type: ignore[import-untyped]
+        from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
         points = drawing.points[frame][:, self.shown]
-        inside = drawing.pieces
-        pieces = np.stack([points[inside], points[inside + 1]], axis=1)
         kind: Any = Line3DCollection if self.in_space else LineCollection
         width = float(np.clip(2 * drawing.radius / self.size * 330, 1.4, 4.0))
         look: dict[str, Any] = {"linewidths": width, "alpha": strength, "capstyle": "round", "zorder": 3}
         value = self._value(drawing, frame)
         if value is None:
-            lines = kind(pieces, colors=plain, **look)
+            # Whole strands: the round ends of pieces would show through each other.
+            lines = kind(np.split(points, np.cumsum(drawing.strands)[:-1]), colors=plain, **look)
         else:
+            inside = drawing.pieces
+            pieces = np.stack([points[inside], points[inside + 1]], axis=1)
             lines = kind(pieces, norm=self.norm, cmap=MAP, **look)
             lines.set_array((value[inside] + value[inside + 1]) / 2 if self.key == "speed" else value[inside])
         self.axes.add_collection(lines)
@@ -222,10 +267,8 @@ class Picture:
             self._faces(drawing, points, drawing.triangles, frame, plain, strength)
         elif not self.in_space:
             from matplotlib.patches import Polygon
-            from scipy.spatial import ConvexHull
 
-            seen = points[:, self.shown]
-            hull = seen[ConvexHull(seen).vertices]
+            hull = _hull(points[:, self.shown])
             value = self._value(drawing, frame)
             color = plain if value is None or self.norm is None else self.colors(self.norm(value.mean()))
             look: dict[str, Any] = {"facecolor": color, "edgecolor": "#39424e", "linewidth": 0.6}
@@ -247,18 +290,12 @@ class Picture:
         from matplotlib.colors import to_rgb
 
         corners = points[triangles]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
-        shade = normals @ LIGHT / lengths
-        if isinstance(drawing, Surface):
-            shade = np.abs(shade)
-        brightness = (0.62 + 0.38 * np.maximum(shade, -0.4))[:, None]
         value = self._value(drawing, frame)
         if value is None or self.norm is None:
-            base = np.tile(to_rgb(plain), (len(triangles), 1))
+            base = np.array(to_rgb(plain))
         else:
             base = self.colors(self.norm(value[triangles].mean(axis=1)))[:, :3]
-        colors = np.clip(base * brightness, 0, 1)
+        colors = _shaded(corners, base, two_sided=isinstance(drawing, Surface))
         if self.in_space:
             from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -283,12 +320,22 @@ class Picture:
         self.axes.legend(handles=marks, frameon=False, fontsize=9)
 
 
-def _places(drawing: Drawing) -> FloatArray:
-    if isinstance(drawing, Solid):
-        corners = np.concatenate(drawing.outline)
-        world = drawing.place[:, None] + np.einsum("pk,nki->npi", corners, drawing.axes)
-        return np.asarray(world.reshape(-1, 3))
-    return np.asarray(drawing.points.reshape(-1, 3))
+def _shaded(corners: FloatArray, base: FloatArray, *, two_sided: bool) -> FloatArray:
+    """Colours of triangles (t, 3, 3) in the light, (t, 3), from theirs, (t, 3) or (3,)."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    shade = normals @ LIGHT / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
+    if two_sided:
+        shade = np.abs(shade)
+    colors: FloatArray = np.clip(base * (0.62 + 0.38 * np.maximum(shade, -0.4))[:, None], 0, 1)
+    return colors
+
+
+def _hull(points: FloatArray) -> FloatArray:
+    """Corners of the convex hull of points (p, 2)."""
+    from scipy.spatial import ConvexHull
+
+    corners: FloatArray = points[ConvexHull(points).vertices]
+    return corners
 
 
 def plot(result: Result, color: Any = None) -> Figure:

@@ -82,6 +82,9 @@ class Result(Motion, ContactForces):
     def plot(self, color: str | ArrayLike | None = None) -> Figure:
         """Draw the motion with matplotlib: the bodies at a few times, later ones stronger.
 
+        Obstacles are shown grey, under all bodies, a ground as a piece of its plane. The picture is as large
+        as the motion; obstacles near it make it larger by a quarter at most and are cut off there.
+
         Parameters
         ----------
         color : {"strain", "axial_force", "speed"} or array_like, shape (n, nodes), optional
@@ -105,7 +108,7 @@ class Result(Motion, ContactForces):
         *,
         progress: bool | None = None,
     ) -> Path:
-        """Write a film: an mp4 where ffmpeg is on the PATH, else a gif.
+        """Write a film: an mp4 where ffmpeg is on the PATH, else a gif; with obstacles as in :meth:`plot`.
 
         Parameters
         ----------
@@ -140,7 +143,8 @@ class Result(Motion, ContactForces):
 
         Cables are lines with velocity, strain, axial_force, curvature and radius at their points; surfaces
         and rigid bodies triangles, these with their axes; forces and reactions points with vectors. ``body``
-        is the number of the body in the model.
+        is the number of the body in the model. Obstacles, cut off as in :meth:`plot`, stand in a file by
+        themselves, ``obstacle`` being their number in the model.
 
         Parameters
         ----------
@@ -158,6 +162,8 @@ class Result(Motion, ContactForces):
 
     def export_html(self, path: str | os.PathLike[str], color: str | ArrayLike | None = None) -> None:
         """Write one self-contained interactive page: orbit, time slider, play, colours.
+
+        Obstacles, cut off as in :meth:`plot`, are as if of glass, so that they hide nothing.
 
         Parameters
         ----------

@@ -14,6 +14,7 @@ from pliant import _check
 from pliant.drawing import Drawing, Lines, Marker, Solid, Surface, arrows, draw
 from pliant.errors import FileError
 from pliant.files import atomic
+from pliant.scenery import Scenery, scenery
 from pliant.typing import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def _meshio() -> ModuleType:
 
 def export_vtk(result: Result, folder: str | os.PathLike[str]) -> Path:
     """Write the files; see :meth:`pliant.Result.export_vtk`."""
-    meshio = _meshio()
+    _meshio()
     if not isinstance(folder, (str, os.PathLike)) or not os.fspath(folder):
         _check.fail("folder", folder, "must be the path of a folder")
     place = Path(os.fsdecode(folder))
@@ -46,6 +47,9 @@ def export_vtk(result: Result, folder: str | os.PathLike[str]) -> Path:
     root = ElementTree.Element("VTKFile", type="Collection", version="1.0", byte_order="LittleEndian")
     collection = ElementTree.SubElement(root, "Collection")
     digits = len(str(max(len(result.time) - 1, 1)))
+    obstacles = scenery(result)[1] if result.model._obstacles else []
+    if obstacles:
+        _write(place / "obstacles.vtu", _standing(obstacles, list(result.model._obstacles)))
     numbers = {name: k for k, name in enumerate(result.model._bodies)}
     for first in range(0, len(result.time), BLOCK):
         frames = np.arange(first, min(first + BLOCK, len(result.time)))
@@ -56,10 +60,12 @@ def export_vtk(result: Result, folder: str | os.PathLike[str]) -> Path:
             pieces = {part: _joined(some, k, numbers) for part, some in parts.items() if some}
             if any(one.kind != "contact" or one.vectors[k].any() for one in vectors):
                 pieces["forces"] = _forces(vectors, k)
-            for number, (part, piece) in enumerate(pieces.items()):
-                name = f"{part}_{int(output):0{digits}d}.vtu"
-                with atomic(place / name) as temporary:
-                    meshio.write(temporary, meshio.Mesh(**piece), file_format="vtu")
+            names = {part: f"{part}_{int(output):0{digits}d}.vtu" for part in pieces}
+            for part, piece in pieces.items():
+                _write(place / names[part], piece)
+            # The obstacles stand in a single file, which belongs to every time.
+            names |= {"obstacles": "obstacles.vtu"} if obstacles else {}
+            for number, (part, name) in enumerate(names.items()):
                 entry = {"timestep": repr(float(result.time[output])), "part": str(number), "file": name}
                 ElementTree.SubElement(collection, "DataSet", {**entry, "group": "", "name": part})
     ElementTree.indent(root)
@@ -67,6 +73,24 @@ def export_vtk(result: Result, folder: str | os.PathLike[str]) -> Path:
     with atomic(target) as temporary:
         ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
     return target
+
+
+def _write(path: Path, piece: dict[str, Any]) -> None:
+    """Write one mesh."""
+    meshio = _meshio()
+    with atomic(path) as temporary:
+        meshio.write(temporary, meshio.Mesh(**piece), file_format="vtu")
+
+
+def _standing(obstacles: list[Scenery], names: list[str]) -> dict[str, Any]:
+    """Join obstacles to one mesh; ``obstacle`` numbers them in the order of the model."""
+    sizes = [len(one.points) for one in obstacles]
+    starts = np.cumsum([0, *sizes[:-1]])
+    triangles = [one.triangles + start for one, start in zip(obstacles, starts, strict=True)]
+    numbers = np.repeat([float(names.index(one.name)) for one in obstacles], sizes)
+    fields = {"obstacle": numbers, "Normals": np.concatenate([one.normals for one in obstacles])}
+    points = np.concatenate([one.points for one in obstacles])
+    return {"points": points, "cells": [("triangle", np.concatenate(triangles))], "point_data": fields}
 
 
 def _joined(drawings: list[Any], frame: int, numbers: dict[str, int]) -> dict[str, Any]:

@@ -34,6 +34,9 @@ def swing() -> pl.Result:
     model.hinge(rope.end, plate, axis=(0, 1, 0), name="axle")
     model.add_force(plate.at((0.1, 0, 0)), (0, 3.0, 0), follower=True, name="jet")
     model.add_point_mass(0.1, at=(0.5, 0.5, 0.2), velocity=(0, 0, 2), name="ball")
+    model.add_obstacle(pl.HalfSpace(), position=(0, 0, -0.9), name="ground")
+    model.add_obstacle(pl.Sphere(0.1), position=(0.5, 0.3, -0.6), name="stone")
+    model.add_obstacle(pl.Bore([(0.3, 0, 0), (0.7, 0, 0)], radius=0.05), name="guide")
     return pl.simulate(model, duration=0.5, step=2e-3, output_every=5)
 
 
@@ -58,6 +61,12 @@ def test_the_page_draws_plays_and_turns(tmp_path: Path, page: browser.Browser) -
     assert page.run("document.getElementById('time').textContent") == "0.400 s"
     later, _ = page.picture()
     assert different(first, later) > 500
+    # Obstacles are seen through, the things behind them, too.
+    page.run("hidden = scenery.splice(0), render()")
+    bare, _ = page.picture()
+    assert different(later, bare) > 500
+    page.run("scenery.push(...hidden), render()")
+    assert different(later, page.picture()[0]) < 50
     # Play goes on from there; pause holds.
     page.run("document.getElementById('play').click()")
     time.sleep(0.6)

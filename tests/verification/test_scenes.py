@@ -1,5 +1,6 @@
 """The closed forms that scenes are measured by, and scenes in other sizes than their own."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -69,6 +70,12 @@ def test_a_scene_tells_which_measures_fail():
     measured = {"energy drift": 1.0, "momentum balance": np.nan, "hook gap": 0.0}
     assert scene.failures(measured) == ["energy drift", "momentum balance"]
     assert scene.report(measured).count("FAIL") == 2
+
+
+def test_a_scene_refuses_a_colour_that_pictures_do_not_have():
+    scene = scenes.falling_rope(elements=4, duration=0.1, step=1e-2)
+    with pytest.raises(pl.ModelError, match="color"):
+        replace(scene, color="curvature")
 
 
 def test_a_string_that_misses_the_post_swings_freely():

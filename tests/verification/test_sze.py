@@ -78,9 +78,9 @@ def test_half_a_tube_pushed_down(record):
 def test_pinched_tube_on_diaphragms(record):
     """The published mesh, 40 x 40 linear elements, is stiff where the wall crumples: loads of 0.13 to 0.2.
 
-    Ours must be fine enough, too: with 20 x 20 elements the last wrinkle snaps within a mesh width near full load.
-    Bicubic shells and plates, which share no shape function, agree three times better with each other than with
-    the table.
+    Ours must be fine enough, too: with 20 x 20 elements the last wrinkle snaps within a mesh width near full
+    load. Bicubic shells and plates, which share no shape function, agree three times better with each other
+    than with the table.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)

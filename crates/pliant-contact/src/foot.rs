@@ -19,8 +19,7 @@
 //! friction; the couple of friction over half of the thickness is left out.
 
 use crate::net::{Feature, Form, Jet, along};
-use crate::point::{Laws, Motion};
-use crate::probe::{Blocks, Force, Opposed, Slave, Varied};
+use crate::probe::{Opposing, Slave, Varied};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector3};
 
 /// A probe before its foot.
@@ -72,80 +71,10 @@ impl Foot {
         Self { slave, p, radius, half, jet, free, side, weight }
     }
 
-    /// From the surface to the probe.
-    #[must_use]
-    pub fn normal(&self) -> Vector3<f64> {
-        let upright = || self.jet.normal() * self.side;
-        match self.free {
-            Free::Plane => upright(),
-            _ => (self.p - self.jet.r).try_normalize(0.0).map_or_else(upright, |n| n * self.side),
-        }
-    }
-
     /// Distance from the mid-surface, below zero beyond it [m].
     #[must_use]
     pub fn distance(&self) -> f64 {
         self.normal().dot(&(self.p - self.jet.r))
-    }
-
-    /// The gap, below zero in contact [m].
-    #[must_use]
-    pub fn gap(&self) -> f64 {
-        self.distance() - self.radius - self.half
-    }
-
-    /// Where the two touch.
-    #[must_use]
-    pub fn place(&self) -> Vector3<f64> {
-        self.jet.r + self.normal() * self.half
-    }
-
-    /// Weights of the eight vectors in the relative motion of the slave at the contact.
-    #[must_use]
-    pub fn weights(&self) -> [f64; 8] {
-        let mut w = [0.0; 8];
-        self.slave.add_weights(self.normal() * -self.radius, &mut w);
-        w[4] = -1.0;
-        w
-    }
-
-    fn opposed(&self) -> Opposed {
-        Opposed {
-            gap: self.gap(),
-            n: self.normal(),
-            w: self.weights(),
-            weight: self.weight,
-            slave: self.slave.vectors(),
-            master: 3,
-        }
-    }
-
-    /// Force on the slave: the normal one along n, less friction.
-    #[must_use]
-    pub fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
-        self.opposed().force(laws, motion)
-    }
-
-    /// Adds what a force on the slave adds to the inner forces of the eight vectors.
-    pub fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
-        self.opposed().add_force(total, out);
-    }
-
-    /// Adds the derivatives of [`Self::add_force`], `stiffness` times that by the vectors plus `damping` times that by
-    /// their velocities. How the bristles turn with the normal is left out; where `symmetric`, also how the rate of
-    /// penetration depends on the place.
-    pub fn add_tangent(
-        &self,
-        laws: &Laws,
-        motion: &Motion<'_>,
-        factors: (f64, f64),
-        symmetric: bool,
-        out: &mut Blocks,
-    ) {
-        let n = self.normal();
-        let slides = [0, 1, 2, 3, 4, 5, 6].map(|l| self.slide(l));
-        let varied = |l: usize| self.varied(l, n, &slides[l]);
-        self.opposed().add_tangent(laws, motion, factors, symmetric, (&varied, out));
     }
 
     /// Weight of vector l in d.
@@ -187,10 +116,43 @@ impl Foot {
             Free::Fixed => Matrix2x3::zeros(),
         }
     }
+}
 
-    /// How gap, normal and weights change with vector l.
-    fn varied(&self, l: usize, n: Vector3<f64>, slide: &Matrix2x3<f64>) -> Varied {
+impl Opposing for Foot {
+    fn gap(&self) -> f64 {
+        self.distance() - self.radius - self.half
+    }
+
+    fn normal(&self) -> Vector3<f64> {
+        let upright = || self.jet.normal() * self.side;
+        match self.free {
+            Free::Plane => upright(),
+            _ => (self.p - self.jet.r).try_normalize(0.0).map_or_else(upright, |n| n * self.side),
+        }
+    }
+
+    fn place(&self) -> Vector3<f64> {
+        self.jet.r + self.normal() * self.half
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    fn weights(&self) -> [f64; 8] {
+        let mut w = [0.0; 8];
+        self.slave.add_weights(self.normal() * -self.radius, &mut w);
+        w[4] = -1.0;
+        w
+    }
+
+    fn vectors(&self) -> (usize, usize) {
+        (self.slave.vectors(), 3)
+    }
+
+    fn varied(&self, l: usize) -> Varied {
         let jet = &self.jet;
+        let (n, slide) = (self.normal(), self.slide(l));
         let gap = n * self.weight_in_d(l);
         let normal = match self.free {
             Free::Plane => {

@@ -144,13 +144,58 @@ pub struct Force {
 /// Blocks of a tangent over the eight vectors.
 pub type Blocks = [[Matrix3<f64>; 8]; 8];
 
+/// A point of a body that faces another: what forces and tangents follow from, and these.
+///
+/// Vectors come in the order: four of the slave, four of the master.
+pub trait Opposing {
+    /// The gap, below zero in contact [m].
+    fn gap(&self) -> f64;
+    /// From the master to the slave.
+    fn normal(&self) -> Vector3<f64>;
+    /// Where the two touch.
+    fn place(&self) -> Vector3<f64>;
+    /// What the point counts for: area [m^2], length [m] or 1.
+    fn weight(&self) -> f64;
+    /// Weights of the eight vectors in the relative motion of the slave at the contact.
+    fn weights(&self) -> [f64; 8];
+    /// How many vectors of the slave take part, and how many of the master.
+    fn vectors(&self) -> (usize, usize);
+    /// How gap, normal and weights change with vector l.
+    fn varied(&self, l: usize) -> Varied;
+
+    /// Force on the slave: the normal one along n, less friction.
+    fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
+        Opposed::of(self).force(laws, motion)
+    }
+
+    /// Adds what a force on the slave adds to the inner forces of the eight vectors.
+    fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
+        Opposed::of(self).add_force(total, out);
+    }
+
+    /// Adds the derivatives of [`Self::add_force`], the first factor times that by the vectors plus the second times
+    /// that by their velocities. How the bristles turn with the normal is left out; where `symmetric`, also how the
+    /// rate of penetration depends on the place.
+    fn add_tangent(
+        &self,
+        laws: &Laws,
+        motion: &Motion<'_>,
+        factors: (f64, f64),
+        symmetric: bool,
+        out: &mut Blocks,
+    ) {
+        let varied = |l: usize| self.varied(l);
+        Opposed::of(self).add_tangent(laws, motion, factors, symmetric, (varied, out));
+    }
+}
+
 fn sum(weights: &[f64; 8], x: &[Vector3<f64>; 8]) -> Vector3<f64> {
     (0..8).map(|k| x[k] * weights[k]).sum()
 }
 
 /// How what a contact is made of changes with one of the vectors.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Varied {
+pub struct Varied {
     /// Gradient of the gap.
     pub gap: Vector3<f64>,
     /// Derivative of the normal.
@@ -161,21 +206,30 @@ pub(crate) struct Varied {
     pub other: Matrix3<f64>,
 }
 
-/// Two sides at a point where they touch: all that force and tangent need.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Opposed {
-    pub gap: f64,
-    pub n: Vector3<f64>,
-    /// Weights of the eight vectors in the relative motion.
-    pub w: [f64; 8],
-    /// What the point counts for.
-    pub weight: f64,
+/// Both sides of a point as they are now.
+struct Opposed {
+    gap: f64,
+    n: Vector3<f64>,
+    w: [f64; 8],
+    weight: f64,
     /// Vectors of the slave that take part, from 0, and of the master, from 4.
-    pub slave: usize,
-    pub master: usize,
+    slave: usize,
+    master: usize,
 }
 
 impl Opposed {
+    fn of(point: &(impl Opposing + ?Sized)) -> Self {
+        let (slave, master) = point.vectors();
+        Self {
+            gap: point.gap(),
+            n: point.normal(),
+            w: point.weights(),
+            weight: point.weight(),
+            slave,
+            master,
+        }
+    }
+
     fn active(&self) -> impl Iterator<Item = usize> + Clone {
         (0..self.slave).chain(4..4 + self.master)
     }
@@ -184,8 +238,7 @@ impl Opposed {
         x - self.n * self.n.dot(&x)
     }
 
-    /// The force on the slave.
-    pub fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
+    fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
         let n = self.n;
         let v = sum(&self.w, motion.v);
         let pressure = laws.normal.pressure(-self.gap, -n.dot(&v));
@@ -202,23 +255,19 @@ impl Opposed {
         Force { pressure, friction, total: n * pressure.p - friction.force }
     }
 
-    /// Adds what a force on the slave adds to the inner forces of the eight vectors.
-    pub fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
+    fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
         for k in self.active() {
             out[k] -= total * (self.weight * self.w[k]);
         }
     }
 
-    /// Adds the derivatives of [`Self::add_force`], `stiffness` times that by the vectors plus `damping` times that by
-    /// their velocities. How the bristles turn with the normal is left out; where `symmetric`, also how the rate of
-    /// penetration depends on the place.
-    pub fn add_tangent(
+    fn add_tangent(
         &self,
         laws: &Laws,
         motion: &Motion<'_>,
         (stiffness, damping): (f64, f64),
         symmetric: bool,
-        (varied, out): (&dyn Fn(usize) -> Varied, &mut Blocks),
+        (varied, out): (impl Fn(usize) -> Varied, &mut Blocks),
     ) {
         let force = self.force(laws, motion);
         let (pressure, friction) = (force.pressure, force.friction);
@@ -269,94 +318,9 @@ impl Opposed {
 }
 
 impl Probe {
-    /// The gap, below zero in contact [m].
-    #[must_use]
-    pub fn gap(&self) -> f64 {
-        self.distance.value - self.radius
-    }
-
-    /// From the master to the slave.
-    #[must_use]
-    pub fn normal(&self) -> Vector3<f64> {
-        self.master.axes * self.distance.normal
-    }
-
-    /// Where the two touch.
-    #[must_use]
-    pub fn place(&self) -> Vector3<f64> {
-        self.p - self.normal() * self.radius
-    }
-
-    /// Weights of the eight vectors in the relative motion of the slave at the contact.
-    #[must_use]
-    pub fn weights(&self) -> [f64; 8] {
-        let mut w = [0.0; 8];
-        self.slave.add_weights(self.normal() * -self.radius, &mut w);
-        if self.moves {
-            let y = self.foot();
-            w[4] = -1.0;
-            for i in 0..3 {
-                w[5 + i] = -y[i];
-            }
-        }
-        w
-    }
-
     /// c in the master's frame.
     fn foot(&self) -> Vector3<f64> {
         self.master.local(self.p) - self.distance.normal * self.radius
-    }
-
-    /// Force, as [`Opposed::force`].
-    #[must_use]
-    pub fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
-        self.opposed().force(laws, motion)
-    }
-
-    /// As [`Opposed::add_force`].
-    pub fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
-        self.opposed().add_force(total, out);
-    }
-
-    /// As [`Opposed::add_tangent`].
-    pub fn add_tangent(
-        &self,
-        laws: &Laws,
-        motion: &Motion<'_>,
-        factors: (f64, f64),
-        symmetric: bool,
-        out: &mut Blocks,
-    ) {
-        let varied = |l| self.varied(l);
-        self.opposed().add_tangent(laws, motion, factors, symmetric, (&varied, out));
-    }
-
-    fn opposed(&self) -> Opposed {
-        Opposed {
-            gap: self.gap(),
-            n: self.normal(),
-            w: self.weights(),
-            weight: self.weight,
-            slave: self.slave.vectors(),
-            master: if self.moves { 4 } else { 0 },
-        }
-    }
-
-    /// How gap, normal and weights change with vector l.
-    fn varied(&self, l: usize) -> Varied {
-        let d_y = self.place_by(l);
-        let mut normal = self.master.axes * self.distance.hessian * d_y;
-        if l >= 5 {
-            normal += Matrix3::from_diagonal_element(self.distance.normal[l - 5]);
-        }
-        let gap = d_y.transpose() * self.distance.normal;
-        let own = self.slave.weights_by(l, &normal, self.normal(), self.radius);
-        let other = if self.moves {
-            -(d_y - self.distance.hessian * d_y * self.radius)
-        } else {
-            Matrix3::zeros()
-        };
-        Varied { gap, normal, own, other }
     }
 
     /// Derivative of y by vector l.
@@ -371,5 +335,56 @@ impl Probe {
                 rows
             }
         }
+    }
+}
+
+impl Opposing for Probe {
+    fn gap(&self) -> f64 {
+        self.distance.value - self.radius
+    }
+
+    fn normal(&self) -> Vector3<f64> {
+        self.master.axes * self.distance.normal
+    }
+
+    fn place(&self) -> Vector3<f64> {
+        self.p - self.normal() * self.radius
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    fn weights(&self) -> [f64; 8] {
+        let mut w = [0.0; 8];
+        self.slave.add_weights(self.normal() * -self.radius, &mut w);
+        if self.moves {
+            let y = self.foot();
+            w[4] = -1.0;
+            for i in 0..3 {
+                w[5 + i] = -y[i];
+            }
+        }
+        w
+    }
+
+    fn vectors(&self) -> (usize, usize) {
+        (self.slave.vectors(), if self.moves { 4 } else { 0 })
+    }
+
+    fn varied(&self, l: usize) -> Varied {
+        let d_y = self.place_by(l);
+        let mut normal = self.master.axes * self.distance.hessian * d_y;
+        if l >= 5 {
+            normal += Matrix3::from_diagonal_element(self.distance.normal[l - 5]);
+        }
+        let gap = d_y.transpose() * self.distance.normal;
+        let own = self.slave.weights_by(l, &normal, self.normal(), self.radius);
+        let other = if self.moves {
+            -(d_y - self.distance.hessian * d_y * self.radius)
+        } else {
+            Matrix3::zeros()
+        };
+        Varied { gap, normal, own, other }
     }
 }

@@ -1,35 +1,17 @@
 //! Probes before shapes: action is reaction, the tangent is that of the force, the force that of the energy.
 
+mod common;
+
+use common::{LOCAL, laws};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use pliant_contact::friction::{Friction, LuGre};
-use pliant_contact::normal::Normal;
 use pliant_contact::point::{Laws, Motion};
-use pliant_contact::probe::{Blocks, Pose, Probe, Slave};
+use pliant_contact::probe::{Blocks, Opposing, Pose, Probe, Slave};
 use pliant_contact::shapes::Shape;
 use proptest::prelude::*;
 
 type Vectors = [Vector3<f64>; 8];
 
 const RADIUS: f64 = 0.07;
-const LOCAL: [f64; 3] = [0.05, -0.03, 0.08];
-
-fn laws(friction: bool) -> Laws {
-    let lugre = LuGre {
-        mu_s: 0.5,
-        mu_d: 0.4,
-        v_s: 0.3,
-        alpha: 2.0,
-        sigma_0: 40.0,
-        sigma_1: 0.3,
-        sigma_2: 0.05,
-        scaled: true,
-        v_d: 2.0,
-    };
-    Laws {
-        normal: Normal { k: 3e4, d_0: 1e-3, c: 2.0 },
-        friction: friction.then_some(Friction::LuGre(lugre)),
-    }
-}
 
 fn shapes() -> Vec<Shape> {
     vec![

@@ -197,6 +197,6 @@ def knot_tightening(
         settings={"duration": duration, "step": step, "output_every": 4},
         expected=expected,
         measures=measures,
-        color="curvature",
+        color="axial_force",
         begin=begins,
     )

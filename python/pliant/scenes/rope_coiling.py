@@ -231,5 +231,5 @@ def rope_coiling(
         settings={"duration": duration, "step": step, "output_every": 5},
         expected=expected,
         measures=measures,
-        color="curvature",
+        color="axial_force",
     )

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pliant import _check
+from pliant.drawing import COLORS
 from pliant.materials import LinearElastic
 from pliant.model import Model
 from pliant.result import Result
@@ -54,6 +56,10 @@ class Scene:
     color: str | None = None
     begin: Callable[[], Result] | None = None
     _begun: list[Result] = field(default_factory=list, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.color is not None:
+            _check.choice(self.color, "color", COLORS)
 
     @property
     def start(self) -> Result | None:

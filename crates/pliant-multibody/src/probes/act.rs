@@ -181,7 +181,7 @@ impl Probes {
         let contact = &self.contacts[facing.contact];
         let mut z = Vector3::zeros();
         if contact.laws.friction.is_some() {
-            let n = touch.meets.normal();
+            let n = touch.point().normal();
             z = match touch.mark {
                 Mark::Along { arc, end, .. } => {
                     let number = self.line_number(touch.facing);
@@ -203,7 +203,7 @@ impl Probes {
 
     fn force_at(&self, touch: &Touch, memory: &ContactMemory, at: At<'_>, at_rest: bool) -> Force {
         let laws = self.laws(touch, at_rest);
-        self.with_motion(touch, memory, at, |motion| touch.meets.force(&laws, motion))
+        self.with_motion(touch, memory, at, |motion| touch.point().force(&laws, motion))
     }
 
     /// Adds what contact adds to the inner forces.
@@ -220,10 +220,10 @@ impl Probes {
             let laws = self.laws(touch, at_rest);
             let mut total = self.force_at(touch, memory, at, at_rest).total;
             if part == Part::Dissipated {
-                total -= touch.meets.normal() * laws.normal.elastic(-touch.meets.gap()).0;
+                total -= touch.point().normal() * laws.normal.elastic(-touch.point().gap()).0;
             }
             let mut share = [Vector3::zeros(); 8];
-            touch.meets.add_force(total, &mut share);
+            touch.point().add_force(total, &mut share);
             self.facings[touch.facing].scatter(touch, &share, out);
         }
     }
@@ -252,7 +252,7 @@ impl Probes {
                 let mut blocks = [[Matrix3::zeros(); 8]; 8];
                 self.with_motion(touch, memory, at, |motion| {
                     let factors = (stiffness, damping);
-                    touch.meets.add_tangent(&laws, motion, factors, symmetric, &mut blocks);
+                    touch.point().add_tangent(&laws, motion, factors, symmetric, &mut blocks);
                 });
                 coupling.add(&self.facings[touch.facing], touch, &blocks, values);
                 continue;
@@ -261,7 +261,7 @@ impl Probes {
             let (factors, symmetric) = ((stiffness, damping), placed.storage == Storage::Symmetric);
             let mut blocks = [[Matrix3::zeros(); 8]; 8];
             self.with_motion(touch, memory, at, |motion| {
-                touch.meets.add_tangent(&laws, motion, factors, symmetric, &mut blocks);
+                touch.point().add_tangent(&laws, motion, factors, symmetric, &mut blocks);
             });
             self.facings[touch.facing].scatter_blocks(touch, &blocks, values);
         }
@@ -270,7 +270,7 @@ impl Probes {
     /// Energy stored where bodies press [J].
     pub fn energy(&self, found: &mut Found, q: &[f64]) -> f64 {
         let of = |touch: &Touch| {
-            touch.meets.weight() * self.laws(touch, true).normal.energy(-touch.meets.gap())
+            touch.point().weight() * self.laws(touch, true).normal.energy(-touch.point().gap())
         };
         found.touches(self, q).iter().map(of).sum()
     }
@@ -310,7 +310,7 @@ impl Probes {
         for touch in found.touches(self, at.q) {
             let facing = &self.facings[touch.facing];
             let force = self.force_at(touch, memory, at, at_rest);
-            let (n, weight) = (touch.meets.normal(), touch.meets.weight());
+            let (n, weight) = (touch.point().normal(), touch.point().weight());
             let push = force.total * (weight * facing.sign);
             for c in 0..3 {
                 totals[facing.contact][c] += push[c];
@@ -326,9 +326,9 @@ impl Probes {
             let normal_force = force.pressure.p * weight;
             let patch = Patch {
                 contact: facing.contact as u32,
-                point: (touch.meets.place() * normal_force).into(),
+                point: (touch.point().place() * normal_force).into(),
                 normal: (n * (facing.sign * normal_force)).into(),
-                gap: touch.meets.gap(),
+                gap: touch.point().gap(),
                 normal_force,
                 friction_force: (push - n * (facing.sign * normal_force)).into(),
             };

@@ -9,8 +9,7 @@ use nalgebra::Vector3;
 use pliant_contact::curve::Piece;
 use pliant_contact::foot::Foot;
 use pliant_contact::manifolds::meet;
-use pliant_contact::point::{Laws, Motion};
-use pliant_contact::probe::{Blocks, Force, Pose, Probe, Slave};
+use pliant_contact::probe::{Opposing, Pose, Probe, Slave};
 use pliant_contact::shapes::{Distance, Placed, Shape};
 use pliant_contact::touch::{Master, Patch};
 
@@ -57,64 +56,6 @@ pub(crate) enum Meets {
     Face(Foot, Ground),
 }
 
-impl Meets {
-    pub(crate) fn gap(&self) -> f64 {
-        match self {
-            Self::Shape(probe) => probe.gap(),
-            Self::Face(foot, _) => foot.gap(),
-        }
-    }
-
-    pub(crate) fn normal(&self) -> Vector3<f64> {
-        match self {
-            Self::Shape(probe) => probe.normal(),
-            Self::Face(foot, _) => foot.normal(),
-        }
-    }
-
-    pub(crate) fn place(&self) -> Vector3<f64> {
-        match self {
-            Self::Shape(probe) => probe.place(),
-            Self::Face(foot, _) => foot.place(),
-        }
-    }
-
-    pub(crate) fn weight(&self) -> f64 {
-        match self {
-            Self::Shape(probe) => probe.weight,
-            Self::Face(foot, _) => foot.weight,
-        }
-    }
-
-    pub(crate) fn force(&self, laws: &Laws, motion: &Motion<'_>) -> Force {
-        match self {
-            Self::Shape(probe) => probe.force(laws, motion),
-            Self::Face(foot, _) => foot.force(laws, motion),
-        }
-    }
-
-    pub(crate) fn add_force(&self, total: Vector3<f64>, out: &mut [Vector3<f64>; 8]) {
-        match self {
-            Self::Shape(probe) => probe.add_force(total, out),
-            Self::Face(foot, _) => foot.add_force(total, out),
-        }
-    }
-
-    pub(crate) fn add_tangent(
-        &self,
-        laws: &Laws,
-        motion: &Motion<'_>,
-        factors: (f64, f64),
-        symmetric: bool,
-        out: &mut Blocks,
-    ) {
-        match self {
-            Self::Shape(probe) => probe.add_tangent(laws, motion, factors, symmetric, out),
-            Self::Face(foot, _) => foot.add_tangent(laws, motion, factors, symmetric, out),
-        }
-    }
-}
-
 /// A probe in contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
@@ -123,6 +64,16 @@ pub(crate) struct Touch {
     pub blend: Blend,
     pub mark: Mark,
     pub meets: Meets,
+}
+
+impl Touch {
+    /// The point, whatever it faces.
+    pub(crate) fn point(&self) -> &dyn Opposing {
+        match &self.meets {
+            Meets::Shape(probe) => probe,
+            Meets::Face(foot, _) => foot,
+        }
+    }
 }
 
 /// What was found, and where.

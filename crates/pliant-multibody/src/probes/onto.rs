@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
 use pliant_contact::foot::Foot;
 use pliant_contact::net::Feature;
-use pliant_contact::probe::Slave;
+use pliant_contact::probe::{Opposing, Slave};
 use pliant_contact::zones::{Bounds, zones};
 
 /// Cosine of the angle between normals below which two feet are those of one place.
