@@ -22,6 +22,7 @@ __all__ = ["Bore", "ContactData", "HalfSpace", "ObstacleData", "TriangleMesh"]
 POISSON_RATIO = 0.4  # of the default stiffness, which hardly depends on it
 RAMP = 0.005  # penetration at which the full stiffness is reached, over the radius
 DAMPING = 3.0
+NUDGE = 1e-6  # by which ends of strands are moved inwards, over the length of an element: others may begin there
 STANDARD_GRAVITY = 9.80665
 
 
@@ -330,18 +331,21 @@ def damping_of(stiffness: float) -> float:
 
 
 def arc(body: LineBody | BeamBody, point: Point) -> float:
-    """Arc length of a point, counted through all strands of its body [m]."""
-    return float(body.lengths[: point.element].sum() + point.xi * body.lengths[point.element])
+    """Arc length of a point, counted through all strands of its body, inside of its element [m]."""
+    xi = min(max(point.xi, NUDGE), 1.0 - NUDGE)
+    return float(body.lengths[: point.element].sum() + xi * body.lengths[point.element])
 
 
 def knots(body: LineBody) -> list[tuple[float, float]]:
-    """Pairs of arc lengths at which strands of one body meet; at a corner both are the same."""
+    """Pairs of arc lengths, inside of their strands, at which strands of one body meet."""
     ends: dict[int, list[float]] = {}
     node, start = 0, 0.0
     element = 0
     for count in body.strands.tolist():
-        stop = start + float(body.lengths[element : element + count].sum())
-        for at, here in ((node, start), (node + count, stop)):
+        lengths = body.lengths[element : element + count]
+        stop = start + float(lengths.sum())
+        first, last = start + NUDGE * float(lengths[0]), stop - NUDGE * float(lengths[-1])
+        for at, here in ((node, first), (node + count, last)):
             ends.setdefault(int(body.users[at]), []).append(here)
         node += count + 1
         element += count

@@ -315,6 +315,37 @@ impl Verge {
             .then(|| Self { ways: place.alpha.map(|alpha| place.n * (alpha / -slope)) })
     }
 
+    /// The end of a part of a zone where the gap is largest, `-n.r_s' = 0`; `bend` is `r_s''` there.
+    #[must_use]
+    pub fn on_top(place: &Place, bend: Vector3<f64>) -> Option<Self> {
+        // n turns by the Hessian times the change of d, in which the foot takes part.
+        let u = place.hessian * place.along;
+        let mut growth = place.along.dot(&u) - place.n.dot(&bend);
+        let mut by_foot = 0.0;
+        if let Some(slide) = &place.slide {
+            by_foot = slide.slope.dot(&u) / slide.c;
+            growth -= by_foot * slide.slope.dot(&place.along);
+        }
+        if growth >= -1e-9 * place.along.norm() {
+            return None;
+        }
+        let mut ways = [Vector3::zeros(); 8];
+        for k in 0..8 {
+            let mut slope = -u * place.alpha[k];
+            if let Some(slide) = &place.slide {
+                slope += slide.slope * (place.alpha[k] * by_foot);
+                if k < 4 {
+                    slope += slide.d * (slide.weights[k] * by_foot);
+                }
+            }
+            if k >= 4 {
+                slope -= place.n * place.along_weights[k - 4];
+            }
+            ways[k] = slope / -growth;
+        }
+        Some(Self { ways })
+    }
+
     /// The place of a zone's end on the plane through position and slope of the master's end `end`, 0 or 1, `d` away
     /// from that position; none where the slave runs along the plane.
     #[must_use]

@@ -1,6 +1,6 @@
 //! Where a piece of a line touches another line or a shape, and the points that carry the force there.
 
-use crate::curve::{Piece, sign_changes};
+use crate::curve::{Piece, root, sign_changes};
 use crate::point::{Blocks, Laws, Motion, Place, Slide, Verge};
 use crate::shapes::Placed;
 use crate::zones::{Bounds, Convexity, Sample, zones};
@@ -314,6 +314,38 @@ impl Master<'_> {
         out.extend(spans.filter(|&(a, c)| c > a && wanted(0.5 * (a + c))));
     }
 
+    /// A zone in parts, cut where the gap is largest in between, with a word whether their ends are such places: there
+    /// zones join and part, and their points with them. Where two become one, all at once, the force would jump by what
+    /// the points of the one leave out.
+    fn parts(&self, slave: &Piece, zone: (f64, f64)) -> Vec<((f64, f64), [bool; 2])> {
+        let width = zone.1 - zone.0;
+        if width * slave.length() < WIDE * slave.radius() {
+            return vec![(zone, [false; 2])];
+        }
+        let slope = |xi: f64| {
+            let q = slave.at(xi);
+            let normal = match self {
+                Self::Shape(shape) => shape.distance(q).normal,
+                Self::Line(master, _) => q - master.at(master.nearest(q)),
+            };
+            normal.dot(&slave.slope(xi))
+        };
+        let mut cuts = vec![zone.0];
+        let mut last = (zone.0, slope(zone.0));
+        for k in 1..=SAMPLES {
+            let xi = zone.0 + width * k as f64 / SAMPLES as f64;
+            let next = (xi, slope(xi));
+            if last.1 > 0.0 && next.1 < 0.0 {
+                cuts.push(root(slope, last, next, END));
+            }
+            last = next;
+        }
+        cuts.push(zone.1);
+        let end = cuts.len() - 1;
+        let part = |k: usize| ((cuts[k], cuts[k + 1]), [k > 0, k + 1 < end]);
+        (0..end).map(part).collect()
+    }
+
     fn bounds(&self, slave: &Piece) -> Bounds {
         let (reach, least) = match self {
             Self::Shape(shape) => (slave.radius() + shape.shape.reach(), slave.radius()),
@@ -386,15 +418,19 @@ impl Master<'_> {
         if self.clearance_of_balls(slave) > 0.0 {
             return;
         }
-        for zone in self.zones_near(slave) {
+        let zones = self.zones_near(slave);
+        for (zone, tops) in zones.into_iter().flat_map(|zone| self.parts(slave, zone)) {
             let width = zone.1 - zone.0;
             let points = GAUSS.map(|(part, w)| {
                 let xi = zone.0 + part * width;
                 let (place, eta) = self.face(slave, xi, w * width * slave.length());
                 Point { place, xi, eta, part }
             });
-            let verges = [zone.0, zone.1].map(|xi| {
+            let verges = [(zone.0, tops[0]), (zone.1, tops[1])].map(|(xi, top)| {
                 let (place, _) = self.face(slave, xi, 0.0);
+                if top {
+                    return Verge::on_top(&place, slave.bend(xi));
+                }
                 let small = VANISHING * slave.radius();
                 if place.gap.abs() < small {
                     return Verge::at(&place);
@@ -423,6 +459,11 @@ impl Master<'_> {
     }
 }
 
+/// Length, in radii, from which on zones are looked at for places where they may part, and how many places.
+const WIDE: f64 = 4.0;
+const SAMPLES: usize = 8;
+/// Accuracy of the places where they do, by xi.
+const END: f64 = 1e-13;
 /// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
 const STRAIGHT: f64 = 0.2;
 /// See [`Master::shift`], in radii of the slave: far above rounding, far below what is seen.

@@ -468,3 +468,37 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn zones_part_and_join_without_a_jump() {
+    // A line lies on a ball with a dent in the middle: one zone becomes two where the dent's top leaves the ball.
+    let r = 1e-3;
+    let law = Normal { k: 1e7, d_0: 5e-3 * r, c: 0.0 };
+    let ball = Placed {
+        shape: Shape::Ball { radius: 0.5 },
+        origin: Vector3::zeros(),
+        axes: Matrix3::identity(),
+    };
+    let force = |rise: f64| {
+        // Along the ball but for a bump: cubic pieces that bend a little less than it does at their ends.
+        let at = |x: f64, z: f64| Vector3::new(x, 0.0, z);
+        let (a, b) = (at(-0.1, 0.4895 + r), at(0.1, 0.4895 + r));
+        let slope = |s: f64| Vector3::new(1.0, 0.0, s);
+        let slave = Piece::new([a, slope(0.16 + rise), b, slope(-0.16 - rise)], 0.2, r);
+        let mut found = Vec::new();
+        Master::Shape(&ball).touch(&slave, [false; 2], &mut found);
+        let points = found.iter().flat_map(Patch::points).map(|p| &p.place);
+        let force: f64 = points.map(|p| p.weight * law.elastic(-p.gap).0).sum();
+        (Master::Shape(&ball).zones(&slave).len(), force)
+    };
+    let (mut low, mut high) = (-0.3, 0.3);
+    let (one, two) = (force(low).0, force(high).0);
+    assert_eq!((one, two), (1, 2), "{:?} {:?}", force(low), force(high));
+    while high - low > 1e-12 {
+        let middle = 0.5 * (low + high);
+        if force(middle).0 == 1 { low = middle } else { high = middle }
+    }
+    let (before, after) = (force(low).1, force(high).1);
+    // The zones' ends leave each other as the square root of what the slope has changed by, 1e-6.
+    assert!((before / after - 1.0).abs() < 1e-6, "{before}, {after}");
+}

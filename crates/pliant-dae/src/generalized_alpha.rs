@@ -115,6 +115,7 @@ impl<P: Problem> Integrator<P> {
             // Shortened increments are many, and none is in vain.
             newton.max_iterations *= 3;
         }
+        let cost = self.solver.factor_cost();
         // Norm of the constraints where a search has left the residual.
         let mut known = None;
         loop {
@@ -132,9 +133,14 @@ impl<P: Problem> Integrator<P> {
             let size = self.update(h);
             self.statistics.newton_iterations += 1;
             self.state.factor.age.iterations += 1;
-            let mut verdict = self.work.monitor.judge(size, phi, floor, &newton);
-            // What is rounding goes to and fro, however short.
-            if kinks != Kinks::None && verdict != Verdict::Converged && size > floor {
+            let mut verdict = self.work.monitor.judge(size, phi, (floor, cost), &newton);
+            // What is rounding goes to and fro, however short; among many kinks the last increment may cross one, too.
+            let searched = match kinks {
+                Kinks::None => false,
+                Kinks::Few => verdict != Verdict::Converged,
+                Kinks::Many => true,
+            };
+            if searched && size > floor {
                 let (part, phi) = self.shorten(h, watch)?;
                 known = Some(phi);
                 if part < 1.0 {

@@ -40,6 +40,8 @@ pub(crate) enum Verdict {
 /// Contraction above which the matrix is renewed inside a step. Larger values make long chains take tens of
 /// iterations now and then.
 const SLOW: f64 = 0.5;
+/// Iterations that a new matrix takes.
+const FEW: f64 = 2.0;
 /// Successive increments without contraction after which a step has failed.
 const MAX_GROWTHS: usize = 4;
 /// Increments (in units of the scale) beyond any sense.
@@ -69,12 +71,12 @@ impl Monitor {
     }
 
     /// Judges an iteration by the size of its increment and of the constraint residual that it answers; `floor` is
-    /// the size of rounding errors of both.
+    /// the size of rounding errors of both, `cost` that of a factorisation in iterations.
     pub(crate) fn judge(
         &mut self,
         size: f64,
         phi: f64,
-        floor: f64,
+        (floor, cost): (f64, f64),
         options: &NewtonOptions,
     ) -> Verdict {
         let previous = self.increments.last().copied();
@@ -97,6 +99,12 @@ impl Monitor {
                 return Verdict::Converged;
             }
         }
+        let mut dear = false;
+        if previous.is_some() && theta < 1.0 {
+            // Iterations to come at this rate, against a new matrix and the few that it takes.
+            let to_come = (target * (1.0 - theta) / (theta * size)).ln() / theta.ln();
+            dear = to_come > cost + FEW;
+        }
         self.growths = if theta >= 1.0 { self.growths + 1 } else { 0 };
         let slow = theta > SLOW;
         let exhausted = self.increments.len() >= options.max_iterations;
@@ -106,7 +114,7 @@ impl Monitor {
         if exhausted || self.growths >= MAX_GROWTHS || size.is_nan() || size > ABSURD {
             return Verdict::Failed;
         }
-        if slow { Verdict::Refactor } else { Verdict::Continue }
+        if slow || dear { Verdict::Refactor } else { Verdict::Continue }
     }
 
     /// Error to be reached: the tolerance, but never more than a small part of the first increment, which

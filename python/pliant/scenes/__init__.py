@@ -15,6 +15,7 @@ from pliant.scenes.friction_rig import friction_rig
 from pliant.scenes.galloping_line import galloping_line
 from pliant.scenes.hanging_chain import hanging_chain
 from pliant.scenes.knot_tightening import knot_tightening, loop_radius, loose_knot
+from pliant.scenes.net_capture import net_capture
 from pliant.scenes.pendulum_winch import pendulum_winch
 from pliant.scenes.quadruped import quadruped
 from pliant.scenes.rope_coiling import rope_coiling, steady_coil
@@ -49,6 +50,7 @@ __all__ = [
     "loop_radius",
     "loose_knot",
     "nearest_approach",
+    "net_capture",
     "pendulum_winch",
     "quadruped",
     "rope_coiling",

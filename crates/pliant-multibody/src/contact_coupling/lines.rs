@@ -80,6 +80,7 @@ fn of_beam(
             length,
             radius: radius[if radius.len() == 1 { 0 } else { e }],
             start: start - length,
+            strand: [f64::NEG_INFINITY, f64::INFINITY],
             last: ends[1],
             round: ends,
             free: ends,
@@ -118,6 +119,8 @@ fn of_cable(
     let mut start = 0.0;
     for (strand, range) in cable_map.strands.iter().enumerate() {
         let [first, last] = ends(strand);
+        let whole: f64 = range.clone().map(|e| cable_map.lengths[e]).sum();
+        let along = [start, start + whole];
         for e in range.clone() {
             let node = cable_map.first_node(e);
             let (a, b) = (cable_map.nodes[node], cable_map.nodes[node + 1]);
@@ -139,6 +142,7 @@ fn of_cable(
                 length,
                 radius: radius[if radius.len() == 1 { 0 } else { e }],
                 start,
+                strand: along,
                 last: e + 1 == range.end,
                 round,
                 free,

@@ -39,6 +39,8 @@ pub struct Segment {
     pub radius: f64,
     /// Arc length at its beginning [m].
     pub start: f64,
+    /// Arc lengths at which its strand begins and ends [m]: where it ends another one may begin, elsewhere.
+    pub strand: [f64; 2],
     /// Whether no element follows on the same strand.
     pub last: bool,
     /// Whether its ends are round where it is a master: nothing follows there.
@@ -90,7 +92,8 @@ pub struct Contact {
     pub laws: Laws,
     /// On one line: points closer than this along it do not touch [m].
     pub window: f64,
-    /// Neighbourhoods of joints: arc lengths on slave and master, and how far from both nothing touches [m]; ascending.
+    /// Neighbourhoods of joints: arc lengths on slave and master, inside of their strands, and how far from both nothing
+    /// touches [m]; ascending.
     apart: Vec<[f64; 3]>,
     /// How far from any joint contact is less than full [m].
     reach: f64,
@@ -143,7 +146,7 @@ impl Contact {
     /// all of it, and a smooth step between. Where a line folds at a joint, points that enter or leave all at once would
     /// make the force jump; how the share changes with the foot is left out of the tangent.
     #[must_use]
-    pub fn share(&self, slave: f64, master: f64) -> f64 {
+    pub fn share(&self, [slave, master]: [f64; 2], strands: [[f64; 2]; 2]) -> f64 {
         if self.is_self() && (slave - master).abs() < self.window {
             return 0.0;
         }
@@ -152,24 +155,29 @@ impl Contact {
             let x = ((way - 1.0) / BLEND).clamp(0.0, 1.0);
             x * x * (3.0 - 2.0 * x)
         };
-        self.joints((slave, slave)).iter().map(beyond).fold(1.0, f64::min)
+        self.joints([slave; 2], strands).map(beyond).fold(1.0, f64::min)
     }
 
-    /// Joints near a part of the slave.
-    fn joints(&self, (from, to): (f64, f64)) -> &[[f64; 3]] {
+    /// Joints of two strands, near a part of the slave's.
+    fn joints(
+        &self,
+        [from, to]: [f64; 2],
+        strands: [[f64; 2]; 2],
+    ) -> impl Iterator<Item = &[f64; 3]> {
         let begin = self.apart.partition_point(|[s, ..]| *s < from - self.reach);
-        let end = self.apart.partition_point(|[s, ..]| *s <= to + self.reach);
-        &self.apart[begin..end.max(begin)]
+        let near = self.apart[begin..].iter().take_while(move |[s, ..]| *s <= to + self.reach);
+        let on = |at: f64, [from, to]: [f64; 2]| from < at && at < to;
+        near.filter(move |[s, m, _]| on(*s, strands[0]) && on(*m, strands[1]))
     }
 
     /// Where two elements meet.
     pub(super) fn corner(&self, slave: &Segment, master: &Segment) -> Option<Corner> {
         let ends = |segment: &Segment| [segment.start, segment.start + segment.length];
-        let ([from, to], of_master) = (ends(slave), ends(master));
+        let of_master = ends(master);
         let near = |[_, m, _]: &&[f64; 3]| {
             (of_master[0] - self.reach..=of_master[1] + self.reach).contains(m)
         };
-        let mut joints = self.joints((from, to)).iter().filter(near);
+        let mut joints = self.joints(ends(slave), [slave.strand, master.strand]).filter(near);
         let (first, second) = (joints.next(), joints.next());
         if second.is_some() {
             return None;
@@ -182,7 +190,7 @@ impl Contact {
             return (at_end[0] != at_end[1]).then_some(Corner { at_end, width: self.window });
         };
         let end = |segment: &Segment, at: f64| -> Option<bool> {
-            let close = 1e-9 * segment.length;
+            let close = NUDGED * segment.length;
             let [start, stop] = ends(segment);
             if (at - start).abs() <= close {
                 Some(false)
@@ -196,6 +204,9 @@ impl Contact {
 
 /// Way beyond the neighbourhood of a joint, over its size, within which contact sets in.
 const BLEND: f64 = 0.5;
+
+/// Part of an element by which joints at the ends of strands may lie inside of them.
+const NUDGED: f64 = 1e-5;
 
 /// All lines and contacts of a model.
 #[derive(Clone, Debug, Default)]

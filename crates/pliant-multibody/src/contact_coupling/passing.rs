@@ -66,6 +66,7 @@ fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
         }
         let (slave, master) = (&contacts.lines[this.slave][e], &contacts.lines[line][m]);
         let (a, b) = (points(&slave.control(q)), points(&master.control(q)));
+        let strands = [slave.strand, master.strand];
         for i in 0..CHORDS {
             for j in 0..CHORDS {
                 let Some((s, t, side)) = facing([a[i], a[i + 1]], [b[j], b[j + 1]]) else {
@@ -75,7 +76,7 @@ fn crossings(contacts: &Contacts, search: &Search, q: &[f64]) -> Vec<Crossing> {
                     segment.start + segment.length * (k as f64 + x) / CHORDS as f64
                 };
                 let arc = [at(slave, i, s), at(master, j, t)];
-                if inside(s) && inside(t) && this.share(arc[0], arc[1]) > 0.0 {
+                if inside(s) && inside(t) && this.share(arc, strands) > 0.0 {
                     let reach = slave.length.min(master.length);
                     found.push(Crossing { contact, arc, side, reach });
                 }

@@ -270,12 +270,16 @@ fn touch(
             Facing::Line(&other, master.round).touch(&piece, slave.free, found);
         }
     }
+    let strands = match contact.master {
+        Master::Line(line) => [slave.strand, contacts.lines[line][m].strand],
+        Master::Shape(_) => [slave.strand; 2],
+    };
     for &patch in found.iter() {
         let mut touch = Touch { contact: number, slave: e, master: m, patch, starts, lengths };
         let same = touch;
         let share = |point: &Place| {
             let (slave, master) = same.arc(point);
-            contact.share(slave, master)
+            contact.share([slave, master], strands)
         };
         if m == usize::MAX || touch.patch.leave(share) {
             out.push(touch);
