@@ -1,7 +1,10 @@
 """Knots, linking and coils: what scenes measure lines by, and what loose knots are known to do."""
 
+import sys
+
 import numpy as np
 import pliant as pl
+import pytest
 from pliant import scenes
 
 
@@ -34,6 +37,89 @@ def test_pull_of_a_knot_without_friction(record):
     assert record(
         "loose trefoil, pull without friction", pull, limit, 0.05 * limit, unit="N", source="EI/(2 R^2)"
     )
+
+
+def at_rest(knot, diameter, elements):
+    """Pull, energy, force of the strands, length taken and radius of the loop without friction, in SI."""
+    rest = scenes.knot_tightening(knot=knot, diameter=diameter, elements=elements).start
+    wire, end = rest.model["wire"], rest.model[min(rest.model._joints)]
+    lines = scenes.centre_line(rest, wire, [-1])
+    assert scenes.knot_determinant(lines[0]) == {"trefoil": 3, "figure_eight": 5}[knot]
+    ends = rest.positions(wire)[-1, [0, -1]]
+    taken = rest.model._bodies["wire"].lengths.sum() - np.linalg.norm(ends[1] - ends[0])
+    pressed = sum(patch.normal_force for patch in rest.contacts[-1])
+    pull = np.linalg.norm(rest.reaction(end).force[-1])
+    return pull, rest.energy.elastic[-1], pressed, taken, scenes.loop_radius(rest, wire)[-1]
+
+
+MESHES = ((1e-3, 160), (0.5e-3, 200))
+BENDING = [2e11 * np.pi * (diameter / 2) ** 4 / 4 for diameter, _ in MESHES]
+
+
+def test_a_trefoil_ever_looser_pulls_as_a_circle(record):
+    found = [at_rest("trefoil", *mesh) for mesh in MESHES]
+    scaled = [pull * 2 * loop**2 / ei for (pull, *_, loop), ei in zip(found, BENDING, strict=True)]
+    slender = [np.sqrt(mesh[0] / 2 / loop) for (*_, loop), mesh in zip(found, MESHES, strict=True)]
+    limit = np.polynomial.Polynomial.fit(slender, scaled, 1)(0.0)
+    # At 1.0096 and 1.0066; the thinner wire's elements are as long as its contact is, 0.4 %.
+    assert record(
+        "loose trefoil without friction, pull over EI/(2 R^2), extrapolated",
+        limit,
+        1.0,
+        0.01,
+        source="a circle",
+    )
+
+
+def test_a_figure_eight_ever_looser_pulls_as_the_elastica_that_hooks_into_itself(record):
+    found = [at_rest("figure_eight", *mesh) for mesh in MESHES]
+    scaled = [pull * d**2 / ei / (2 * np.pi**2) for (pull, *_, d, _), ei in zip(found, BENDING, strict=True)]
+    # At 2.233 and 2.202: of the order r/R, for there is no braid.
+    limit = 2 * scaled[1] - scaled[0]
+    source = "plane elastica with a frictionless contact of its halves"
+    name = "loose figure-eight without friction, pull over EI/(2 R^2), extrapolated"
+    assert record(name, limit, 2.17114, 0.005 * 2.17114, source=source)
+
+
+@pytest.mark.parametrize("knot", ["trefoil", "figure_eight"])
+def test_what_a_knot_stores_is_told_by_its_pull(knot, record):
+    pull, energy, pressed, taken, _ = at_rest(knot, *MESHES[0])
+    # All lengths grown alike, the radius included: -U = 2 r P - T d. 160 elements leave a per mille.
+    assert record(
+        f"{knot} without friction, T d over U + 2 r P",
+        pull * taken / (energy + MESHES[0][0] * pressed),
+        1.0,
+        2e-3,
+        source="the energy of bending goes with the inverse of all lengths",
+    )
+
+
+def test_the_thin_figure_eight_is_an_equilibrium():
+    knot = sys.modules["pliant.scenes.knot_tightening"]
+    s = np.linspace(0.0, 40.0, 400001)
+    angle, bend, x, y = knot.figure_eight_elastica(s)
+    (_, _, *hook), (_, _, *end) = knot.figure_eight_elastica(np.array([knot.HOOKS, knot.LEAVES])).T
+    # Where it hooks into its other half, which is its reflection in the middle, as the constants are given.
+    np.testing.assert_allclose(hook, -np.array(end), atol=1e-9)
+    turned = np.diff(np.interp([knot.HOOKS, knot.LEAVES], s, angle))[0]
+    assert turned == pytest.approx(-np.pi, abs=1e-6)
+    # No couple at the end that turns into the line of the pull, and no jump of curvature on the way.
+    assert np.abs(np.diff(bend)).max() < 3e-4
+    assert [angle[-1] + 2 * np.pi, bend[-1], y[-1]] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+    energy = 2 * np.trapezoid(bend**2 / 2, s)
+    taken = 2 * (s[-1] - x[-1])
+    # Trapezoids of 1e-4.
+    assert taken == pytest.approx(knot.EXCESS, abs=1e-7)
+    assert energy == pytest.approx(taken, abs=1e-6)
+
+
+def test_a_figure_eight_is_pulled_tighter_and_stays_one(record):
+    scene = scenes.knot_tightening(knot="figure_eight", elements=120, duration=3.0)
+    measured = scene.measure(scene.simulate())
+    for name, wanted in scene.expected.items():
+        assert record(
+            f"figure-eight, {name}", measured[name], wanted.value, wanted.tolerance, source=wanted.source
+        )
 
 
 def test_knots_are_told_apart():

@@ -14,7 +14,12 @@ from pliant.scenes.folded_chain import folded_chain
 from pliant.scenes.friction_rig import friction_rig
 from pliant.scenes.galloping_line import galloping_line
 from pliant.scenes.hanging_chain import hanging_chain
-from pliant.scenes.knot_tightening import knot_tightening, loop_radius, loose_knot
+from pliant.scenes.knot_tightening import (
+    knot_tightening,
+    loop_radius,
+    loose_figure_eight,
+    loose_knot,
+)
 from pliant.scenes.net_capture import net_capture
 from pliant.scenes.pendulum_winch import pendulum_winch
 from pliant.scenes.quadruped import quadruped
@@ -48,6 +53,7 @@ __all__ = [
     "linking_number",
     "loaded_catenary",
     "loop_radius",
+    "loose_figure_eight",
     "loose_knot",
     "nearest_approach",
     "net_capture",
@@ -77,6 +83,7 @@ SCENES: dict[str, Callable[..., Scene]] = {
         catheter,
         friction_rig,
         knot_tightening,
+        net_capture,
         rope_coiling,
         quadruped,
         solar_sail,
