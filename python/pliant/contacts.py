@@ -22,7 +22,7 @@ __all__ = ["Bore", "ContactData", "HalfSpace", "ObstacleData", "TriangleMesh"]
 POISSON_RATIO = 0.4  # of the default stiffness, which hardly depends on it
 RAMP = 0.005  # penetration at which the full stiffness is reached, over the radius
 DAMPING = 3.0
-NUDGE = 1e-6  # by which ends of strands are moved inwards, over the length of an element: others may begin there
+NUDGE = 1e-6  # by which ends of strands are moved inwards, over the length of an element
 STANDARD_GRAVITY = 9.80665
 
 

@@ -60,6 +60,7 @@ SMALL = {
         "rope": {"duration": 2.0, "step": 4e-3},
     },
     "moving_truck": {"elements": 20, "step": 5e-3},
+    "net_capture": {"cells": 4, "elements": 2, "duration": 0.45},
     "pendulum_winch": {"haul": 80.0, "duration": 90.0, "step": 2e-2},
     "regrasped_cable": {"step": 8e-3, "duration": 6.0},
     "rolled_cantilever": {"elements": (8, 16)},

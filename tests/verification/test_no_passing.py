@@ -124,3 +124,15 @@ def test_the_routine_sees_a_passage():
     assert passages_of_run([still, falls], 0.1) == 1
     assert passages_of_run([still, falls + [1.2, 0, 0]], 0.1) == 0
     assert passages_of_run([still, falls + [0, 0, 0.4]], 0.1) == 0
+
+
+def test_a_net_without_friction_keeps_both_momenta(record):
+    """It wraps a ball that floats free, and touches itself; its ropes do not pass through each other."""
+    scene = pl.scenes.net_capture(cells=4, elements=2, friction=0.0, duration=0.45, output_every=2)
+    result = scene.simulate()
+    found = scene.measure(result)
+    for key in ("momentum", "angular momentum"):
+        # The scene's own demand.
+        assert record(f"net round a ball, {key}", found[key], 0.0, 1e-8, source="nothing acts from outside")
+    assert record("net round a ball, energy gained", found["energy gained"], 0.0, 1e-3, source="contact")
+    assert found["closing index"][-1] < 0.5

@@ -21,7 +21,7 @@ __all__ = ["net_capture"]
 
 def net_capture(
     side: float = 4.0,
-    cells: int = 20,
+    cells: int = 10,
     radius: float = 0.75e-3,
     corner_mass: float = 0.5,
     speed: float = 10.0,
@@ -33,21 +33,22 @@ def net_capture(
     stiffness: float | None = 1e7,
     material: LinearElastic | None = None,
     elements: int = 1,
-    duration: float = 0.6,
+    duration: float = 0.5,
     step: float = 5e-4,
     output_every: int = 10,
 ) -> Scene:
     """Build the scene: a square net with masses at its corners flies at a ball that floats free of weight.
 
     The net wraps the ball, the corners swing round and meet behind it. Nothing acts from outside: linear
-    and angular momentum are what they were, and energy only falls.
+    and angular momentum are what they were, and energy only falls. (With friction angular momentum keeps to
+    friction times the radius of a rope, for ropes do not twist and feel friction on their middle.)
 
     Parameters
     ----------
     side : float
         Side of the net [m].
     cells : int
-        Cells along a side.
+        Cells along a side; twice as many take some ten times as long.
     radius : float
         Of the ropes [m].
     corner_mass : float
@@ -135,9 +136,11 @@ def net_capture(
             "energy gained": float((gained - np.minimum.accumulate(gained)).max() / gained[0]),
         }
 
+    # Ropes do not twist: friction acts on their middle, and a couple of it over the radius is missing.
+    source = "nothing acts from outside, but for friction over the radius of a rope"
     expected = {
         "momentum": Expected(0.0, 1e-8, "nothing acts from outside"),
-        "angular momentum": Expected(0.0, 1e-8, "nothing acts from outside"),
+        "angular momentum": Expected(0.0, max(1e-8, friction * radius / side), source),
         "energy drift": Expected(0.0, 0.01, "kinetic and elastic energy against friction and strain rates"),
         "energy gained": Expected(0.0, 1e-3, "contact gives no energy"),
     }
