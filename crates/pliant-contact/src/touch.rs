@@ -11,7 +11,7 @@ pub const POINTS: usize = 5;
 
 /// Gauss points of a zone, and their weights, on [0, 1]. The points move with the zone's ends: force and stored energy
 /// belong together no better than the rule resolves the ramp of the normal force. Three points are five per cent off,
-/// five half a per cent at most.
+/// five 0.6 per cent at most.
 const GAUSS: [(f64, f64); POINTS] = [
     (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),

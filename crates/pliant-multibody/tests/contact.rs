@@ -123,7 +123,7 @@ fn check_tangent(spec: ModelSpec, pairs: usize, full: bool) {
             size = size.max(difference.abs());
         }
         // Rounding of forces of 1e4 N over 1e-8; without friction what is not symmetric: the damping's share, and what
-        // three points miss of the ramp.
+        // five points miss of the ramp.
         let allowed = if full { 1e-6 } else { 2e-2 };
         assert!(worst < allowed * size, "{worst} of {size}, {pairs} pairs, {full}, {weights:?}");
     }

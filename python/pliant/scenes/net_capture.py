@@ -48,7 +48,7 @@ def net_capture(
     side : float
         Side of the net [m].
     cells : int
-        Cells along a side; twice as many take some ten times as long.
+        Cells along a side; twice as many take many times as long.
     radius : float
         Of the ropes [m].
     corner_mass : float
@@ -64,9 +64,7 @@ def net_capture(
     touches_itself : bool
         Whether ropes of the net touch each other.
     stiffness : float, optional
-        Of the contact [N/m^2]. At 10 m/s ropes of 1.5 mm sink in by a quarter of their radius at the first
-        touch and by a hundredth of it later; None: as stiff as nylon, a hundred times more, which takes
-        much shorter steps.
+        Of the contact [N/m^2]; None: as stiff as nylon, a hundred times more, which takes much shorter steps.
     material : LinearElastic, optional
         None: nylon.
     elements : int

@@ -2,8 +2,8 @@
 //! blocks of a Cholesky factorisation.
 //!
 //! Rigid bodies and friction disturb the symmetry of numbers, never that of the pattern. Rows are exchanged within
-//! the columns of a block only: the factors fill in as those of LDL^T do, and cost twice as much, where orders that
-//! are safe for all exchanges of rows cost twenty times as much. Whether the pivots found were good enough is for
+//! the columns of a block only: the factors fill in as those of LDL^T do, where orders that are safe for all
+//! exchanges of rows fill in far more. Whether the pivots found were good enough is for
 //! the caller's probe to tell.
 
 use super::factors::{Failed, symbolic};
