@@ -72,7 +72,8 @@ def simulate(
         a checkpoint ends, at time 0. Bodies must be the same, loads and joints may differ. A static result
         gives the positions; the velocities are those of the bodies.
     spectral_radius : float, optional
-        Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
+        Numerical damping: 1 damps nothing, 0 most; 0.8 by default, 0.5 with contact. At most 0.98 with
+        constraints.
     output_every : int
         Keep every so manieth step; the last one is always kept.
     output_times : array_like, shape (n,), optional

@@ -79,7 +79,8 @@ class Stepper:
     record_every : int, optional
         Keep every so manieth step in ``result``; by default the start only.
     spectral_radius : float, optional
-        Numerical damping: 1 damps nothing, 0 most; 0.8 by default. At most 0.98 where there are constraints.
+        Numerical damping: 1 damps nothing, 0 most; 0.8 by default, 0.5 with contact. At most 0.98 with
+        constraints.
     tolerance : float, optional
         Newton's tolerance, relative to the size of the model.
     threads : int, optional
