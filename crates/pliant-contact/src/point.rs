@@ -55,7 +55,7 @@ pub struct Motion<'a> {
     pub v: &'a [Vector3<f64>; 8],
     /// Their displacements within the step.
     pub moved: &'a [Vector3<f64>; 8],
-    /// Length of the step [s]; 0 outside of steps.
+    /// Length of the step [s]; 0 outside of steps, where the velocities say how the bristles move.
     pub h: f64,
     /// Deflection of the bristles at its beginning, carried to the present normal.
     pub z: Vector3<f64>,
@@ -99,8 +99,8 @@ impl Place {
             Some(law) => {
                 let moved = sum(&self.alpha, motion.moved);
                 let h = motion.h;
-                let mean = if h > 0.0 { -self.tangential(moved) / h } else { Vector3::zeros() };
                 let end = -self.tangential(v);
+                let mean = if h > 0.0 { -self.tangential(moved) / h } else { end };
                 law.respond(&Slip { z: motion.z, mean, end, normal: pressure.p, h })
             }
             None => Response::none(),
@@ -177,9 +177,12 @@ impl Place {
             let plane = Matrix3::identity() - n * n.transpose();
             let turning =
                 |x: Vector3<f64>| Matrix3::from_diagonal_element(n.dot(&x)) + n * x.transpose();
-            let by_n = friction.by_end * turning(v) + friction.by_mean * turning(moved) * inverse_h;
+            // Outside of steps the bristles see the velocity at hand.
+            let by_end =
+                if motion.h > 0.0 { friction.by_end } else { friction.by_end + friction.by_mean };
+            let by_n = by_end * turning(v) + friction.by_mean * turning(moved) * inverse_h;
             by_d += by_n * self.hessian;
-            by_v -= friction.by_end * plane;
+            by_v -= by_end * plane;
             by_moved = friction.by_mean * plane * -inverse_h;
         }
         let total = if pressed { force.total } else { friction.force };

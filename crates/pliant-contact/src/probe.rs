@@ -246,8 +246,8 @@ impl Opposed {
             Some(law) => {
                 let h = motion.h;
                 let moved = self.tangential(sum(&self.w, motion.moved));
-                let mean = if h > 0.0 { moved / h } else { Vector3::zeros() };
                 let end = self.tangential(v);
+                let mean = if h > 0.0 { moved / h } else { end };
                 law.respond(&Slip { z: motion.z, mean, end, normal: pressure.p, h })
             }
             None => Response::none(),
@@ -298,7 +298,9 @@ impl Opposed {
                     |x: Vector3<f64>| d_n * n.dot(&x) + n * (d_n.transpose() * x).transpose();
                 let d_end = (plane * v_shift - turning(v)) * stiffness + plane * (w[l] * damping);
                 d_f -= friction.by_end * d_end + friction.by_normal * d_p.transpose();
-                if motion.h > 0.0 {
+                if motion.h == 0.0 {
+                    d_f -= friction.by_mean * d_end;
+                } else {
                     let d_moved = plane * w[l] + plane * shifted(motion.moved) - turning(moved);
                     d_f -= friction.by_mean * d_moved * (stiffness / motion.h);
                 }

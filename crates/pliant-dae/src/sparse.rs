@@ -6,10 +6,11 @@
 //! true matrix removes what this does to the solution. Without pivoting an indefinite primal block may still spoil
 //! the factors: every factorisation is probed by a known solution, and full pivoting takes over where that comes back
 //! wrong. Where it comes back right at the first attempt, corrections inside iterations do without refinement, those of
-//! large symmetric systems with factors in single precision.
+//! large systems with factors in single precision.
 
 mod factors;
 mod fronts;
+mod kernels;
 mod pattern;
 mod single;
 
@@ -56,6 +57,24 @@ pub(crate) struct Sparse {
 enum Regular {
     Ldlt(Ldlt),
     Fronts(Fronts),
+}
+
+impl Regular {
+    /// Copies large factors to single precision; returns whether they are large.
+    fn copy_single(&mut self) -> bool {
+        match self {
+            Self::Ldlt(ldlt) => ldlt.copy_single(),
+            Self::Fronts(fronts) => fronts.copy_single(),
+        }
+    }
+
+    /// Solves with the copy.
+    fn solve_single(&mut self, x: &mut [f64]) {
+        match self {
+            Self::Ldlt(ldlt) => ldlt.solve_single(x),
+            Self::Fronts(fronts) => fronts.solve_single(x),
+        }
+    }
 }
 
 /// What the factors at hand come from.
@@ -202,11 +221,9 @@ impl Sparse {
         self.correction = Correction::Refined;
         if found.1 < ROUGH {
             self.correction = Correction::Plain;
-            if let (Regular::Ldlt(ldlt), Method::Regular) = (&mut self.regular, self.by)
-                && ldlt.copy_single()
-            {
+            if self.by == Method::Regular && self.regular.copy_single() {
                 x.copy_from_slice(&b);
-                ldlt.solve_single(&mut x);
+                self.regular.solve_single(&mut x);
                 if worst(&x).1 < ROUGH_SINGLE {
                     self.correction = Correction::Single;
                 }
@@ -272,10 +289,10 @@ impl Sparse {
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;
         }
-        match (how, &mut self.regular) {
-            (Correction::Single, Regular::Ldlt(ldlt)) => ldlt.solve_single(x),
-            (Correction::Refined, _) => self.solve_scaled(x, transposed),
-            _ => self.apply_factors(x, transposed),
+        match how {
+            Correction::Single => self.regular.solve_single(x),
+            Correction::Refined => self.solve_scaled(x, transposed),
+            Correction::Plain => self.apply_factors(x, transposed),
         }
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;

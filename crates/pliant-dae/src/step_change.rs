@@ -23,6 +23,9 @@ pub(crate) struct Saved {
     h: f64,
 }
 
+/// Part of the velocities by which they may change with the accelerations' change over a step that follows a shorter
+/// one.
+const UNRESOLVED: f64 = 0.05;
 /// Time over which the initial jerk is measured, in steps.
 const JERK_SPAN: f64 = 0.1;
 
@@ -80,13 +83,19 @@ impl<P: Problem> Integrator<P> {
     /// Along the constraints `a_alg` moves by the difference of accelerations; normal to them all is known from the
     /// motion itself, and set. So whatever noise the multipliers had is gone.
     fn correct_change(&mut self, h: f64) -> Result<(), Error> {
-        let state = &mut self.state;
         let shift = self.coefficients.shift();
-        let factor = shift * (h - state.h) / state.h;
-        for ((a_alg, a), a_previous) in state.a_alg.iter_mut().zip(&state.a).zip(&state.a_previous)
-        {
-            *a_alg += factor * (a - a_previous);
+        if self.outgrows(h) {
+            self.state.factor.h = 0.0;
+            self.settle_acceleration(h)?;
+        } else {
+            let state = &mut self.state;
+            let factor = shift * (h - state.h) / state.h;
+            let changes = state.a.iter().zip(&state.a_previous);
+            for (a_alg, (a, a_previous)) in state.a_alg.iter_mut().zip(changes) {
+                *a_alg += factor * (a - a_previous);
+            }
         }
+        let state = &mut self.state;
         let m = self.problem.multipliers();
         if m == 0 {
             return Ok(());
@@ -128,6 +137,21 @@ impl<P: Problem> Integrator<P> {
             }
         }
         Ok(())
+    }
+
+    /// Whether accelerations change by as much as themselves within a step that is longer than the last one, and
+    /// velocities by a part of themselves: what short steps have seen of a blow, carried on over a long one, would
+    /// make energy.
+    fn outgrows(&self, h: f64) -> bool {
+        let state = &self.state;
+        if h <= state.h {
+            return false;
+        }
+        let weight = &self.work.inverse_scale;
+        let size = |x: &[f64]| weighted_max(x, weight);
+        let change: Vec<f64> = state.a.iter().zip(&state.a_previous).map(|(a, b)| a - b).collect();
+        let change = h / state.h * size(&change);
+        change > size(&state.a) && h * change > UNRESOLVED * size(&state.v)
     }
 
     /// `factor P_n (j + [v, a] / (12 c))`, the commutator being the part of the local error that curved
@@ -196,7 +220,7 @@ impl<P: Problem> Integrator<P> {
         Ok(jerk)
     }
 
-    /// Takes out of the initial accelerations what the step cannot resolve: `(M + beta h^2 K) a1 = M a`, with the
+    /// Takes out of the accelerations what the step cannot resolve: `(M + beta h^2 K) a1 = M a`, with the
     /// constraints' accelerations kept.
     ///
     /// Let go, a stiff structure accelerates its stiffest parts at once (the slopes beside a support, in a fine

@@ -33,7 +33,7 @@ pub(super) struct Ldlt {
 }
 
 /// Number of entries from which factors are kept in single precision, too: they leave the cache of one core.
-const LARGE: usize = 1 << 18;
+pub(super) const LARGE: usize = 1 << 18;
 
 impl Ldlt {
     pub(super) fn new(pattern: &Pattern) -> Result<Self, Failed> {

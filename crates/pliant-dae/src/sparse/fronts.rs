@@ -6,9 +6,9 @@
 //! exchanges of rows fill in far more. Whether the pivots found were good enough is for
 //! the caller's probe to tell.
 
-use super::factors::{Failed, symbolic};
+use super::factors::{Failed, LARGE, symbolic};
+use super::kernels::{Number, TOGETHER, copy_single, forward, product, products};
 use super::pattern::Pattern;
-use crate::passes::vectorised;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -21,10 +21,8 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::{Accum, MatMut, Par, Side, Spec};
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
-
-/// Sums of a dot product.
-const LANES: usize = 8;
 
 /// Consecutive columns that are eliminated together.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +52,7 @@ impl Block {
             .split_at_mut(lower)
     }
 
-    fn parts<'a>(&self, factors: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+    fn parts<'a, T>(&self, factors: &'a [T]) -> (&'a [T], &'a [T]) {
         let lower = self.height() * self.columns;
         factors[self.factors..self.factors + lower + self.below.len() * self.columns]
             .split_at(lower)
@@ -74,6 +72,10 @@ pub(super) struct Fronts {
     /// From an entry of the matrix to one of the factors.
     moves: Vec<(u32, u32)>,
     factors: Vec<f64>,
+    /// A copy of large factors, for corrections.
+    single: Vec<f32>,
+    /// Reciprocals of the diagonal of U.
+    reciprocals: Vec<f64>,
     updates: Vec<f64>,
     /// Row exchanged into each row of a block, counted from its first.
     pivots: Vec<u32>,
@@ -150,6 +152,8 @@ impl Fronts {
             places,
             moves,
             factors: vec![0.0; factors],
+            single: vec![0.0; if factors >= LARGE { factors } else { 0 }],
+            reciprocals: vec![0.0; n],
             updates: vec![0.0; height],
             pivots: vec![0; n],
             inverse: vec![0; widest],
@@ -217,7 +221,8 @@ impl Fronts {
 
     /// Eliminates the columns of a block from its front, and leaves its update to its parent.
     fn eliminate(&mut self, s: usize) -> Result<(), Failed> {
-        let Self { blocks, factors, updates, pivots, inverse, memory, scratch, .. } = self;
+        let Self { blocks, factors, reciprocals, updates, pivots, inverse, memory, scratch, .. } =
+            self;
         let block = &blocks[s];
         let (c, b, height) = (block.columns, block.below.len(), block.height());
         let (lower, upper) = block.split(factors);
@@ -236,6 +241,9 @@ impl Fronts {
         // Not `== 0`: what is not a number has failed, too.
         if !(0..c).all(|j| pivot_block[(j, j)].abs() > f64::MIN_POSITIVE) {
             return Err(Failed);
+        }
+        for j in 0..c {
+            reciprocals[block.first + j] = 1.0 / pivot_block[(j, j)];
         }
         if b == 0 {
             return Ok(());
@@ -265,89 +273,176 @@ impl Fronts {
         Ok(())
     }
 
+    /// Copies large factors to single precision; returns whether they are large.
+    pub(super) fn copy_single(&mut self) -> bool {
+        if !self.single.is_empty() {
+            copy_single(&self.factors, &mut self.single);
+        }
+        !self.single.is_empty()
+    }
+
     /// Overwrites the right-hand side by the solution, of the transposed system where asked for.
     pub(super) fn solve(&mut self, b: &mut [f64], transposed: bool) {
+        self.permute(b);
+        if transposed {
+            (0..self.blocks.len()).for_each(|s| self.forward_transposed(s));
+            (0..self.blocks.len()).rev().for_each(|s| self.backward_transposed(s));
+        } else {
+            let Self { blocks, rows, factors, reciprocals, pivots, scratch, x, .. } = self;
+            let sweeps = Sweeps { blocks, rows, factors, reciprocals, pivots, scratch, x };
+            Arch::new().dispatch(sweeps);
+        }
+        self.permute_back(b);
+    }
+
+    /// The same with the copy in single precision.
+    pub(super) fn solve_single(&mut self, b: &mut [f64]) {
+        self.permute(b);
+        let Self { blocks, rows, single, reciprocals, pivots, scratch, x, .. } = self;
+        let sweeps = Sweeps { blocks, rows, factors: single, reciprocals, pivots, scratch, x };
+        Arch::new().dispatch(sweeps);
+        self.permute_back(b);
+    }
+
+    fn permute(&mut self, b: &[f64]) {
         for (x, &i) in self.x.iter_mut().zip(&self.order) {
             *x = b[i as usize];
         }
-        vectorised(|| {
-            for s in 0..self.blocks.len() {
-                self.forward(s, transposed);
-            }
-            for s in (0..self.blocks.len()).rev() {
-                self.backward(s, transposed);
-            }
-        });
+    }
+
+    fn permute_back(&self, b: &mut [f64]) {
         for (x, &i) in self.x.iter().zip(&self.order) {
             b[i as usize] = *x;
         }
     }
 
-    /// `[y; rest] <- [L11^-1 P b; rest - L21 y]`, transposed `[U11^-T b; rest - U12^T y]`.
-    #[inline(always)]
-    fn forward(&mut self, s: usize, transposed: bool) {
-        let Self { blocks, rows, factors, pivots, scratch, x, .. } = self;
-        let block = &blocks[s];
-        let (c, b, height) = (block.columns, block.below.len(), block.height());
-        let own = block.first..block.first + c;
-        let (lower, upper) = block.parts(factors);
-        let y = &mut scratch[..height];
-        y[c..].fill(0.0);
-        if transposed {
-            y[..c].copy_from_slice(&x[own.clone()]);
-            for j in 0..c {
-                let column = &lower[j * height..(j + 1) * height];
-                y[j] = (y[j] - dot(&column[..j], &y[..j])) / column[j];
-                let by = y[j];
-                subtract(by, &upper[j * b..(j + 1) * b], &mut y[c..]);
-            }
-        } else {
-            for (y, &p) in y.iter_mut().zip(&pivots[own.clone()]) {
-                *y = x[block.first + p as usize];
-            }
-            for j in 0..c {
-                let by = y[j];
-                subtract(by, &lower[j * height + j + 1..(j + 1) * height], &mut y[j + 1..]);
-            }
-        }
-        x[own].copy_from_slice(&y[..c]);
-        for (&i, y) in rows[block.below.clone()].iter().zip(&y[c..]) {
-            x[i as usize] += y;
-        }
-    }
-
-    /// `y <- U11^-1 (y - U12 rest)`, transposed `P^T L11^-T (y - L21^T rest)`.
-    #[inline(always)]
-    fn backward(&mut self, s: usize, transposed: bool) {
-        let Self { blocks, rows, factors, pivots, scratch, x, .. } = self;
+    /// `[y; rest] <- [U11^-T b; rest - U12^T y]`.
+    fn forward_transposed(&mut self, s: usize) {
+        let Self { blocks, rows, factors, reciprocals, scratch, x, .. } = self;
         let block = &blocks[s];
         let (c, b, height) = (block.columns, block.below.len(), block.height());
         let own = block.first..block.first + c;
         let (lower, upper) = block.parts(factors);
         let y = &mut scratch[..height];
         y[..c].copy_from_slice(&x[own.clone()]);
-        for (y, &i) in y[c..].iter_mut().zip(&rows[block.below.clone()]) {
-            *y = x[i as usize];
+        y[c..].fill(0.0);
+        for j in 0..c {
+            let column = &lower[j * height..j * height + j];
+            y[j] = (y[j] - product(column, &y[..j])) * reciprocals[block.first + j];
+            let by = y[j];
+            for (y, u) in y[c..].iter_mut().zip(&upper[j * b..(j + 1) * b]) {
+                *y -= by * u;
+            }
         }
-        if transposed {
-            for j in (0..c).rev() {
-                y[j] -= dot(&lower[j * height + j + 1..(j + 1) * height], &y[j + 1..]);
-            }
-            for (y, &p) in y[..c].iter().zip(&pivots[own]) {
-                x[block.first + p as usize] = *y;
-            }
-        } else {
-            for j in 0..c {
-                y[j] -= dot(&upper[j * b..(j + 1) * b], &y[c..]);
-            }
-            for j in (0..c).rev() {
-                let column = &lower[j * height..j * height + j + 1];
-                y[j] /= column[j];
-                let by = y[j];
-                subtract(by, &column[..j], &mut y[..j]);
-            }
-            x[own].copy_from_slice(&y[..c]);
+        x[own].copy_from_slice(&y[..c]);
+        scatter(&rows[block.below.clone()], &y[c..], x);
+    }
+
+    /// `y <- P^T L11^-T (y - L21^T rest)`.
+    fn backward_transposed(&mut self, s: usize) {
+        let Self { blocks, rows, factors, pivots, scratch, x, .. } = self;
+        let block = &blocks[s];
+        let (c, height) = (block.columns, block.height());
+        let own = block.first..block.first + c;
+        let (lower, _) = block.parts(factors);
+        let y = &mut scratch[..height];
+        y[..c].copy_from_slice(&x[own.clone()]);
+        gather(&rows[block.below.clone()], x, &mut y[c..]);
+        for j in (0..c).rev() {
+            y[j] -= product(&lower[j * height + j + 1..(j + 1) * height], &y[j + 1..]);
         }
+        for (y, &p) in y[..c].iter().zip(&pivots[own]) {
+            x[block.first + p as usize] = *y;
+        }
+    }
+}
+
+fn gather(rows: &[u32], x: &[f64], y: &mut [f64]) {
+    for (y, &i) in y.iter_mut().zip(rows) {
+        *y = x[i as usize];
+    }
+}
+
+fn scatter(rows: &[u32], y: &[f64], x: &mut [f64]) {
+    for (y, &i) in y.iter().zip(rows) {
+        x[i as usize] += y;
+    }
+}
+
+/// Forward and backward substitution, compiled for the vector registers of the processor at hand.
+struct Sweeps<'a, T> {
+    blocks: &'a [Block],
+    rows: &'a [u32],
+    factors: &'a [T],
+    reciprocals: &'a [f64],
+    pivots: &'a [u32],
+    scratch: &'a mut [f64],
+    x: &'a mut [f64],
+}
+
+impl<T: Number> WithSimd for Sweeps<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) {
+        for block in self.blocks {
+            self.forward(block);
+        }
+        for block in self.blocks.iter().rev() {
+            self.backward(block);
+        }
+    }
+}
+
+impl<T: Number> Sweeps<'_, T> {
+    /// `[y; rest] <- [L11^-1 P b; rest - L21 y]`.
+    #[inline(always)]
+    fn forward(&mut self, block: &Block) {
+        let Self { rows, factors, pivots, scratch, x, .. } = self;
+        let (c, height) = (block.columns, block.height());
+        let own = block.first..block.first + c;
+        let y = &mut scratch[..height];
+        for (y, &p) in y.iter_mut().zip(&pivots[own.clone()]) {
+            *y = x[block.first + p as usize];
+        }
+        y[c..].fill(0.0);
+        forward(block.parts(factors).0, c, y);
+        x[own].copy_from_slice(&y[..c]);
+        scatter(&rows[block.below.clone()], &y[c..], x);
+    }
+
+    /// `y <- U11^-1 (y - U12 rest)`.
+    #[inline(always)]
+    fn backward(&mut self, block: &Block) {
+        let Self { rows, factors, reciprocals, scratch, x, .. } = self;
+        let (c, b, height) = (block.columns, block.below.len(), block.height());
+        let own = block.first..block.first + c;
+        let (lower, upper) = block.parts(factors);
+        let (y, rest) = scratch[..height].split_at_mut(c);
+        y.copy_from_slice(&x[own.clone()]);
+        gather(&rows[block.below.clone()], x, rest);
+        let row = |j: usize| &upper[j * b..(j + 1) * b];
+        let mut together = y.chunks_exact_mut(TOGETHER);
+        let mut j = 0;
+        for y in &mut together {
+            let sums = products(std::array::from_fn(|k| row(j + k)), rest);
+            for k in 0..TOGETHER {
+                y[k] -= sums[k];
+            }
+            j += TOGETHER;
+        }
+        for y in together.into_remainder() {
+            *y -= product(row(j), rest);
+            j += 1;
+        }
+        for j in (0..c).rev() {
+            y[j] *= reciprocals[block.first + j];
+            let by = y[j];
+            for (y, u) in y[..j].iter_mut().zip(&lower[j * height..]) {
+                *y -= by * u.number();
+            }
+        }
+        x[own].copy_from_slice(y);
     }
 }
 
@@ -437,26 +532,4 @@ fn moves(
         }
     }
     moves
-}
-
-/// `y -= by x`.
-#[inline(always)]
-fn subtract(by: f64, x: &[f64], y: &mut [f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y -= by * x;
-    }
-}
-
-#[inline(always)]
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    let (x, x_rest) = x.as_chunks::<LANES>();
-    let (y, y_rest) = y.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES];
-    for (x, y) in x.iter().zip(y) {
-        for i in 0..LANES {
-            sums[i] += x[i] * y[i];
-        }
-    }
-    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
-    sums.iter().sum::<f64>() + rest
 }

@@ -4,16 +4,9 @@
 //! long numbers half of that. All sums are in double precision; the solution is good to about 1e-7 times the growth in
 //! the factors, which the probe measures.
 
-use crate::passes::vectorised;
+use super::kernels::{backward, copy_single, forward};
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use pulp::{Arch, Simd, WithSimd};
-
-/// Entries below this are nothing: numbers without a leading one are slow.
-const NOTHING: f64 = 1e-30;
-/// Columns treated together.
-const TOGETHER: usize = 4;
-/// Rows added at once.
-const LANES: usize = 8;
 
 type Symbolic = SymbolicSupernodalCholesky<u32>;
 
@@ -64,11 +57,7 @@ impl Single {
 
     /// Takes over factors.
     pub(super) fn copy(&mut self, symbolic: &Symbolic, values: &[f64]) {
-        vectorised(|| {
-            for (to, &from) in self.values.iter_mut().zip(values) {
-                *to = if from.abs() < NOTHING { 0.0 } else { from as f32 };
-            }
-        });
+        copy_single(values, &mut self.values);
         for s in 0..symbolic.n_supernodes() {
             let Block { first, columns, rows, start } = block(symbolic, s);
             for j in 0..columns {
@@ -127,96 +116,4 @@ impl WithSimd for Sweeps<'_> {
             x[first..first + columns].copy_from_slice(&y[..columns]);
         }
     }
-}
-
-/// `y <- L^-1 y` in the first rows, `-L y` added to the others.
-#[inline(always)]
-fn forward(l: &[f32], columns: usize, y: &mut [f64]) {
-    let height = y.len();
-    let column = |j: usize| &l[j * height..(j + 1) * height];
-    let mut j = 0;
-    while j + TOGETHER <= columns {
-        for k in 0..TOGETHER - 1 {
-            for i in k + 1..TOGETHER {
-                y[j + i] -= f64::from(column(j + k)[j + i]) * y[j + k];
-            }
-        }
-        let [a, b, c, d] = std::array::from_fn(|k| y[j + k]);
-        let rest = j + TOGETHER..height;
-        let y = &mut y[rest.clone()];
-        let n = y.len();
-        let [la, lb, lc, ld] = std::array::from_fn(|k| &column(j + k)[rest.clone()][..n]);
-        for i in 0..n {
-            y[i] -= (f64::from(la[i]) * a + f64::from(lb[i]) * b)
-                + (f64::from(lc[i]) * c + f64::from(ld[i]) * d);
-        }
-        j += TOGETHER;
-    }
-    while j < columns {
-        let a = y[j];
-        for (y, l) in y[j + 1..].iter_mut().zip(&column(j)[j + 1..]) {
-            *y -= f64::from(*l) * a;
-        }
-        j += 1;
-    }
-}
-
-/// `y <- L^-T y` in the first rows, all others known.
-#[inline(always)]
-fn backward(l: &[f32], columns: usize, y: &mut [f64]) {
-    let height = y.len();
-    let column = |j: usize| &l[j * height..(j + 1) * height];
-    let mut j = columns;
-    while !j.is_multiple_of(TOGETHER) {
-        j -= 1;
-        y[j] -= product(&column(j)[j + 1..], &y[j + 1..]);
-    }
-    while j > 0 {
-        j -= TOGETHER;
-        let rest = j + TOGETHER..height;
-        let sums =
-            products(std::array::from_fn(|k| &column(j + k)[rest.clone()]), &y[rest.clone()]);
-        for k in (0..TOGETHER).rev() {
-            let mut sum = sums[k];
-            for i in k + 1..TOGETHER {
-                sum += f64::from(column(j + k)[j + i]) * y[j + i];
-            }
-            y[j + k] -= sum;
-        }
-    }
-}
-
-#[inline(always)]
-fn product(l: &[f32], y: &[f64]) -> f64 {
-    let (l, l_rest) = l.as_chunks::<LANES>();
-    let (y, y_rest) = y.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES];
-    for (l, y) in l.iter().zip(y) {
-        for i in 0..LANES {
-            sums[i] += f64::from(l[i]) * y[i];
-        }
-    }
-    let rest: f64 = l_rest.iter().zip(y_rest).map(|(l, y)| f64::from(*l) * y).sum();
-    sums.iter().sum::<f64>() + rest
-}
-
-/// Products of four columns with one vector.
-#[inline(always)]
-fn products(l: [&[f32]; TOGETHER], y: &[f64]) -> [f64; TOGETHER] {
-    let chunks = l.map(|l| l.as_chunks::<LANES>());
-    let (full, rest) = y.as_chunks::<LANES>();
-    let n = full.len();
-    let columns = chunks.map(|(l, _)| &l[..n]);
-    let mut sums = [[0.0; LANES]; TOGETHER];
-    for (c, y) in full.iter().enumerate() {
-        for k in 0..TOGETHER {
-            for i in 0..LANES {
-                sums[k][i] += f64::from(columns[k][c][i]) * y[i];
-            }
-        }
-    }
-    std::array::from_fn(|k| {
-        let tail: f64 = chunks[k].1.iter().zip(rest).map(|(l, y)| f64::from(*l) * y).sum();
-        sums[k].iter().sum::<f64>() + tail
-    })
 }

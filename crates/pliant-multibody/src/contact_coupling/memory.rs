@@ -88,42 +88,13 @@ impl ContactMemory {
         self.patches.iter().copied().chain(others)
     }
 
-    /// Deflection at a new point with the normal `n`.
+    /// The points with friction of a contact, those of its free ends or all others, by arc length of the slave.
     #[must_use]
-    pub fn bristle(
-        &self,
-        contact: u32,
-        end: bool,
-        (slave, master): (f64, f64),
-        n: Vector3<f64>,
-        radius: f64,
-    ) -> Vector3<f64> {
+    pub fn bristles_of(&self, contact: u32, end: bool) -> &[Bristle] {
         let key = |b: &Bristle| (b.contact, b.end);
         let first = self.bristles.partition_point(|b| key(b) < (contact, end));
-        let last = self.bristles.partition_point(|b| key(b) <= (contact, end));
-        let here = &self.bristles[first..last];
-        let middle = here.partition_point(|b| b.slave <= slave);
-        // Other turns of the same line may lie on the same place.
-        let same =
-            |b: &&Bristle| (b.master - master).abs() <= (b.slave - slave).abs() + 4.0 * radius;
-        let before = here[..middle].iter().rev().find(same);
-        let after = here[middle..].iter().find(same);
-        let carried = |b: &Bristle| transport(Vector3::from(b.z), Vector3::from(b.n), n);
-        let near = |b: &&Bristle| {
-            (b.zone[0] <= slave && slave <= b.zone[1]) || (b.slave - slave).abs() <= 2.0 * radius
-        };
-        match (before, after) {
-            (Some(a), Some(b)) if a.zone == b.zone && b.slave > a.slave => {
-                let part = (slave - a.slave) / (b.slave - a.slave);
-                carried(a) * (1.0 - part) + carried(b) * part
-            }
-            (a, b) => {
-                let distance = |x: &&Bristle| (x.slave - slave).abs();
-                let nearest =
-                    [a, b].into_iter().flatten().min_by(|x, y| distance(x).total_cmp(&distance(y)));
-                nearest.filter(near).map_or(Vector3::zeros(), carried)
-            }
-        }
+        let here = &self.bristles[first..];
+        &here[..here.partition_point(|b| key(b) <= (contact, end))]
     }
 
     /// Sorts the points, and joins zones that touch: they end at the borders of elements.
@@ -155,6 +126,37 @@ impl ContactMemory {
                 b.zone = zone;
             }
             from = to;
+        }
+    }
+}
+
+/// Deflection at a new point with the normal `n`, among the `bristles` of its contact.
+#[must_use]
+pub fn bristle(
+    bristles: &[Bristle],
+    (slave, master): (f64, f64),
+    n: Vector3<f64>,
+    radius: f64,
+) -> Vector3<f64> {
+    let middle = bristles.partition_point(|b| b.slave <= slave);
+    // Other turns of the same line may lie on the same place.
+    let same = |b: &&Bristle| (b.master - master).abs() <= (b.slave - slave).abs() + 4.0 * radius;
+    let before = bristles[..middle].iter().rev().find(same);
+    let after = bristles[middle..].iter().find(same);
+    let carried = |b: &Bristle| transport(Vector3::from(b.z), Vector3::from(b.n), n);
+    let near = |b: &&Bristle| {
+        (b.zone[0] <= slave && slave <= b.zone[1]) || (b.slave - slave).abs() <= 2.0 * radius
+    };
+    match (before, after) {
+        (Some(a), Some(b)) if a.zone == b.zone && b.slave > a.slave => {
+            let part = (slave - a.slave) / (b.slave - a.slave);
+            carried(a) * (1.0 - part) + carried(b) * part
+        }
+        (a, b) => {
+            let distance = |x: &&Bristle| (x.slave - slave).abs();
+            let nearest =
+                [a, b].into_iter().flatten().min_by(|x, y| distance(x).total_cmp(&distance(y)));
+            nearest.filter(near).map_or(Vector3::zeros(), carried)
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Who touches whom at given coordinates, and the forces there.
 
-use super::memory::{Bristle, ContactMemory, Pair};
+use super::memory::{Bristle, ContactMemory, Pair, bristle};
 use super::report::Report;
 use super::{Contact, Contacts, Corner, Master};
 use crate::probes::find::Found;
@@ -274,15 +274,13 @@ fn touch(
         Master::Line(line) => [slave.strand, contacts.lines[line][m].strand],
         Master::Shape(_) => [slave.strand; 2],
     };
-    for &patch in found.iter() {
-        let mut touch = Touch { contact: number, slave: e, master: m, patch, starts, lengths };
-        let same = touch;
+    for mut patch in found.drain(..) {
         let share = |point: &Place| {
-            let (slave, master) = same.arc(point);
-            contact.share([slave, master], strands)
+            let arc = |side: usize, at: f64| starts[side] + at * lengths[side];
+            contact.share([arc(0, point.xi), arc(1, point.eta)], strands)
         };
-        if m == usize::MAX || touch.patch.leave(share) {
-            out.push(touch);
+        if m == usize::MAX || patch.leave(share) {
+            out.push(Touch { contact: number, slave: e, master: m, patch, starts, lengths });
         }
     }
 }
@@ -344,17 +342,20 @@ impl Contacts {
     ) -> T {
         let offsets = self.offsets(touch);
         let gather = |x: &[f64]| offsets.map(|o| Vector3::new(x[o], x[o + 1], x[o + 2]));
-        let mut v = [gather(at.v); POINTS];
-        let mut moved = [[Vector3::zeros(); 8]; POINTS];
+        let v = gather(at.v);
+        let mut moved = [Vector3::zeros(); 8];
         let mut h = 0.0;
         if memory.q.len() == at.q.len() && at.t > memory.t {
             h = at.t - memory.t;
             let before = gather(&memory.q);
             let now = gather(at.q);
-            moved = [std::array::from_fn(|k| now[k] - before[k]); POINTS];
+            moved = std::array::from_fn(|k| now[k] - before[k]);
         }
         let contact = &self.list[touch.contact];
+        // Both as each point sees them, where the slave turns.
+        let mut turned = None;
         if self.turns(touch) {
+            let (v, moved) = turned.insert(([v; POINTS], [moved; POINTS]));
             for (number, point) in touch.patch.points().iter().enumerate() {
                 let arms = self.arms(touch, point, at.q);
                 // Weights of positions add up to one: so the slip takes the motion of the surface, and nothing else.
@@ -368,16 +369,20 @@ impl Contacts {
                 }
             }
         }
-        let z = |number: usize| {
-            if contact.laws.friction.is_none() {
-                return Vector3::zeros();
-            }
-            let point = &touch.patch.points()[number];
-            let radius = self.lines[contact.slave][touch.slave].radius;
-            let arc = touch.arc(point);
-            memory.bristle(touch.contact as u32, touch.patch.is_end(), arc, point.place.n, radius)
+        let bristles = match contact.laws.friction {
+            Some(_) => memory.bristles_of(touch.contact as u32, touch.patch.is_end()),
+            None => &[],
         };
-        work(&|number| Motion { v: &v[number], moved: &moved[number], h, z: z(number) })
+        let radius = self.lines[contact.slave][touch.slave].radius;
+        work(&|number| {
+            let (v, moved) = match &turned {
+                Some((v, moved)) => (&v[number], &moved[number]),
+                None => (&v, &moved),
+            };
+            let point = &touch.patch.points()[number];
+            let z = bristle(bristles, touch.arc(point), point.place.n, radius);
+            Motion { v, moved, h, z }
+        })
     }
 
     /// Calls `work` with each point of a patch and the force there.

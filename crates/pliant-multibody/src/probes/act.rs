@@ -5,7 +5,7 @@ use super::find::{Blend, Found, Mark, Meets, Touch};
 use super::memory::{Crossed, Patch, Spot};
 use super::onto::key;
 use super::{Facing, Probes, Side};
-use crate::contact_coupling::memory::{Bristle, ContactMemory};
+use crate::contact_coupling::memory::{Bristle, ContactMemory, bristle};
 use crate::contact_coupling::run::{At, Part};
 use nalgebra::{Matrix3, Vector3};
 use pliant_contact::point::{Laws, Motion};
@@ -185,7 +185,7 @@ impl Probes {
             z = match touch.mark {
                 Mark::Along { arc, end, .. } => {
                     let number = self.line_number(touch.facing);
-                    memory.bristle(number, end, (arc, 0.0), n, contact.size)
+                    bristle(memory.bristles_of(number, end), (arc, 0.0), n, contact.size)
                 }
                 Mark::Number(id) => {
                     let reach = match (id, &touch.meets) {

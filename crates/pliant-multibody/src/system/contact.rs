@@ -11,6 +11,8 @@ const GAIN: f64 = 0.01;
 /// Part of the largest energy in motion that a step may leave out of the balance, where it is too long to resolve the
 /// contact: the scheme would damp the rebound away.
 const GAP: f64 = 1e-4;
+/// Part of what a step dissipates by which the balance may miss it.
+const UNSURE: f64 = 0.01;
 /// Step, in units of a radian of the contact's own motion, that resolves it.
 const RESOLVED: f64 = 0.02;
 /// Part of the nominal step below which none is cut any more for what the balance leaves out.
@@ -124,7 +126,7 @@ impl System {
         if part > SMALLEST && h * contacts.frequency > RESOLVED {
             let lost = self.loss_of_step(before, after) + self.plastic_work(after);
             let gap = gain + lost;
-            if gap.abs() > GAP * peak + contacts.energy_floor {
+            if gap.abs() > GAP * peak + UNSURE * lost.abs() + contacts.energy_floor {
                 return refuse(format!(
                     "a step leaves {gap:.3e} J of a contact out of the balance, of {peak:.3e} J in motion"
                 ));
