@@ -93,6 +93,8 @@ pub struct Balance {
 
 /// Part of the energy in play that may come from nowhere; a useful run stays below a hundredth of it.
 const LARGEST_GAIN: f64 = 0.5;
+/// Steps after which energy is looked at where nothing is recorded.
+const CHECKED: u64 = 100;
 /// Square of strains that are rounding: stiff lines at rest hum with as much.
 const ROUNDING: f64 = 1e-20;
 
@@ -426,11 +428,26 @@ impl Run {
         let system = self.integrator.problem();
         let state = self.integrator.state();
         self.records.push(system, state, &lambda_);
-        let rounding = ROUNDING * system.model().axial_energy;
         let row = &self.records.energy[self.records.energy.len() - 5..];
-        let t = state.t;
-        self.balance.check([row[0], row[1], row[2], row[4]], rounding).map_err(|message| {
-            Error::Evaluation { t, source: EvaluationError { message, recoverable: false } }
+        let energy = [row[0], row[1], row[2], row[4]];
+        self.check_balance(energy)
+    }
+
+    /// Refuses a state with energy from nowhere.
+    fn check_energy(&mut self) -> Result<(), Error> {
+        self.look();
+        let (system, state) = (self.integrator.problem(), self.integrator.state());
+        let [kinetic, elastic, gravitational] = system.energy(state.t, &state.q, &state.v);
+        self.check_balance([kinetic, elastic, gravitational, system.memory().audit.work])
+    }
+
+    /// The same for kinetic, elastic and gravitational energy, and work.
+    fn check_balance(&mut self, energy: [f64; 4]) -> Result<(), Error> {
+        let rounding = ROUNDING * self.integrator.problem().model().axial_energy;
+        let t = self.integrator.state().t;
+        self.balance.check(energy, rounding).map_err(|message| {
+            let source = EvaluationError { message, recoverable: false };
+            Error::Evaluation { t, source }
         })
     }
 
@@ -466,6 +483,8 @@ impl Run {
             self.steps += 1;
             if leg.output_every > 0 && self.steps.is_multiple_of(leg.output_every) {
                 self.record()?;
+            } else if leg.output_every == 0 && self.steps.is_multiple_of(CHECKED) {
+                self.check_energy()?;
             }
         }
         Ok(leg.steps)

@@ -302,7 +302,7 @@ impl System {
     /// Begins to gather work: notes the loads at the start.
     pub fn note_loads(&mut self, at: Point<'_>) {
         self.note_given(at);
-        self.begin_contact(at.t, at.q);
+        self.begin_contact(at);
         if !self.model.has_work() {
             return;
         }
@@ -643,6 +643,7 @@ impl Problem for System {
         phi: &mut [f64],
     ) -> Result<(), EvaluationError> {
         self.refresh(at.t)?;
+        self.refuse_wild(at.q)?;
         force.fill(0.0);
         let gravity = self.gravity_at(at.t);
         let motion = Motion { q: at.q, v: at.v, a: at.a };
@@ -841,7 +842,7 @@ impl Problem for System {
     fn equilibrium(&mut self, at: Point<'_>) {
         self.remember(at);
         self.flow_to(at.t, at.q);
-        self.begin_contact(at.t, at.q);
+        self.begin_contact(at);
     }
 
     /// Three for each cable: factors of its axial stiffness, bending stiffness and mass per length; then one for each

@@ -244,6 +244,9 @@ impl Probes {
                 facing.skin = Some(skin(surface)?);
                 facing.own_skin = surfaces[slave].map(&mut skin).transpose()?;
                 facing.lie(&this.skins, contact, is_self);
+                if !found.is_empty() && facing.is_broad() {
+                    continue;
+                }
                 facing.apart = read.apart(contact, 1 - slave)?;
                 found.push(facing);
             }
@@ -391,6 +394,17 @@ impl Facing {
         }
         if is_self {
             self.own = Some(Own::of(skin, contact.window));
+        }
+    }
+
+    /// Whether the slave is a ball broader than the surface's faces, whose own points feel it everywhere. Its centre
+    /// would have another nearest point on each face of a fold, and push where they change by turns.
+    fn is_broad(&self) -> bool {
+        match self.slave {
+            Side::Rigid(_, Shape::Ball { radius }) | Side::Rest(_, Shape::Ball { radius }) => {
+                radius > self.size
+            }
+            _ => false,
         }
     }
 

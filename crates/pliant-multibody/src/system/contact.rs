@@ -15,6 +15,8 @@ const GAP: f64 = 1e-4;
 const UNSURE: f64 = 0.01;
 /// Step, in units of a radian of the contact's own motion, that resolves it.
 const RESOLVED: f64 = 0.02;
+/// Sizes of the model by which nothing moves within a step, and change of slopes.
+const WILD: f64 = 1e3;
 /// Part of the nominal step below which none is cut any more for what the balance leaves out.
 const SMALLEST: f64 = 1.0 / 128.0;
 
@@ -26,12 +28,26 @@ pub(super) struct Judged {
 }
 
 impl System {
-    /// Notes where everything is at the start, or at an equilibrium: slip counts from there, and sides of surfaces.
-    pub(super) fn begin_contact(&mut self, t: f64, q: &[f64]) {
-        if !self.model.contacts.is_empty() {
-            self.memory.contact.t = t;
-            self.memory.contact.q = q.to_vec();
+    /// Notes where everything is at the start, or at an equilibrium, and what touches there: slip counts from there,
+    /// and sides of surfaces.
+    pub(super) fn begin_contact(&mut self, at: Point<'_>) {
+        self.memory.contact.q.clear();
+        self.accept_contact(at);
+    }
+
+    /// Refuses iterates that are far from any sense, before the search looks for what touches there.
+    pub(super) fn refuse_wild(&self, q: &[f64]) -> Result<(), EvaluationError> {
+        let last = &self.memory.contact.q;
+        if last.len() != q.len() {
+            return Ok(());
         }
+        let most = WILD * f64::max(1.0, self.model.size());
+        // Not `>`: what is not a number is wild, too.
+        if q.iter().zip(last).all(|(q, last)| (q - last).abs() <= most) {
+            return Ok(());
+        }
+        let message = format!("a step moves something with contact by more than {most:.3e} m");
+        Err(EvaluationError { message, recoverable: true })
     }
 
     fn at_rest(&self) -> bool {
@@ -98,14 +114,6 @@ impl System {
             self.noted_energy = None;
             return Ok(());
         }
-        // The work of drives, winches and of what stores more or less in time is not known here.
-        let mut rate = vec![0.0; self.multipliers()];
-        self.constraint_rate(after.t, after.q, &mut rate);
-        let changing = model.forces.iter().any(|f| f.force.is_rheonomic())
-            || model.chambers.iter().any(|chamber| chamber.flows);
-        if rate.iter().any(|r| *r != 0.0) || !model.winches.is_empty() || changing {
-            return Ok(());
-        }
         let last = match self.noted_energy {
             Some((t, energy)) if t == before.t => energy,
             _ => self.energy_with(&mut Search::default(), before),
@@ -114,16 +122,16 @@ impl System {
         let now = self.energy_with(&mut search, after);
         self.search = search;
         self.noted_energy = Some((after.t, now));
-        let mut outside = 0.0;
+        let mut outside = self.work_of_winches(after);
         if model.has_work() {
-            outside = self.work_of_step(before, after);
+            outside += self.work_of_step(before, after);
             outside += self.changing_energy(after.t, after.q, after.v) - self.memory.potential;
         }
         let peak = f64::max(self.memory.contact.peak, now[0]);
         self.memory.contact.peak = peak;
         let gain = now.iter().sum::<f64>() - last.iter().sum::<f64>() - outside;
         let h = after.t - before.t;
-        if part > SMALLEST && h * contacts.frequency > RESOLVED {
+        if part > SMALLEST && h * contacts.frequency > RESOLVED && !self.is_driven(after) {
             let lost = self.loss_of_step(before, after) + self.plastic_work(after);
             let gap = gain + lost;
             if gap.abs() > GAP * peak + UNSURE * lost.abs() + contacts.energy_floor {
@@ -132,7 +140,7 @@ impl System {
                 ));
             }
         }
-        let limit = GAIN * (last[0] + last[1].max(0.0)) + contacts.energy_floor;
+        let limit = GAIN * (last[0] + last[1].max(0.0) + outside.abs()) + contacts.energy_floor;
         if gain > limit {
             return refuse(format!(
                 "contact made {gain:.3e} J within a step, of {:.3e} J in motion",
@@ -140,6 +148,16 @@ impl System {
             ));
         }
         Ok(())
+    }
+
+    /// Whether something moves by itself, or stores more or less in time: its work over a step is known roughly.
+    fn is_driven(&mut self, at: Point<'_>) -> bool {
+        let mut rate = vec![0.0; self.multipliers()];
+        self.constraint_rate(at.t, at.q, &mut rate);
+        let model = &self.model;
+        let changes = model.forces.iter().any(|f| f.force.is_rheonomic())
+            || model.chambers.iter().any(|chamber| chamber.flows);
+        changes || !model.winches.is_empty() || rate.iter().any(|r| *r != 0.0)
     }
 
     /// Work of loads over a step, and their forces at its end, kept for [`Problem::accept`].

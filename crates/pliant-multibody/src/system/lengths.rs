@@ -60,7 +60,17 @@ impl System {
         (self.memory.winches, self.memory.transit) = (winches, Some(transit));
     }
 
-    /// Work of winches, by the mean of their forces over the change of the lengths, and the energy that passes forces
+    /// Work of winches over the present step, by the mean of their forces over the change of the lengths.
+    pub(super) fn work_of_winches(&mut self, after: Point<'_>) -> f64 {
+        if self.model.winches.is_empty() {
+            return 0.0;
+        }
+        let (winches, _) = self.given(after);
+        let pairs = winches.iter().zip(&self.memory.winches);
+        pairs.map(|(new, old)| 0.5 * (new[1] + old[1] + new[2] + old[2]) * (new[0] - old[0])).sum()
+    }
+
+    /// The same at an accepted step, for the audit, and the energy that passes forces
     /// from outside into loss, by the trapezoidal rule.
     pub(super) fn accept_given(&mut self, before: Point<'_>, after: Point<'_>) {
         if self.model.winches.is_empty() && !self.model.has_transit {
