@@ -11,8 +11,10 @@ const GAIN: f64 = 0.01;
 /// Part of the largest energy in motion that a step may leave out of the balance, where it is too long to resolve the
 /// contact: the scheme would damp the rebound away.
 const GAP: f64 = 1e-4;
-/// Part of what a step dissipates by which the balance may miss it.
-const UNSURE: f64 = 0.01;
+/// The same part of the energy that changes hands within the step.
+const EXCHANGED: f64 = 0.003;
+/// The same part of the floor of what contact may make.
+const REST: f64 = 0.01;
 /// Step, in units of a radian of the contact's own motion, that resolves it.
 const RESOLVED: f64 = 0.02;
 /// Sizes of the model by which nothing moves within a step, and change of slopes.
@@ -134,7 +136,10 @@ impl System {
         if part > SMALLEST && h * contacts.frequency > RESOLVED && !self.is_driven(after) {
             let lost = self.loss_of_step(before, after) + self.plastic_work(after);
             let gap = gain + lost;
-            if gap.abs() > GAP * peak + UNSURE * lost.abs() + contacts.energy_floor {
+            let changes = [now[0] - last[0], now[1] + now[2] - last[1] - last[2], lost, outside];
+            let exchanged: f64 = changes.iter().map(|e| e.abs()).sum();
+            let limit = GAP * peak + EXCHANGED * exchanged + REST * contacts.energy_floor;
+            if gap.abs() > limit {
                 return refuse(format!(
                     "a step leaves {gap:.3e} J of a contact out of the balance, of {peak:.3e} J in motion"
                 ));
