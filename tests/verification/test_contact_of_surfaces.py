@@ -106,6 +106,24 @@ def test_a_rope_lies_over_a_sheet(kind, record):
     assert sum(p.normal_force * p.normal[2] for p in patches) == pytest.approx(force[-1, 2], rel=1e-3)
 
 
+@pytest.mark.parametrize("damping", [1.0, 20.0])
+def test_a_wavy_rope_settles_on_a_sheet(damping):
+    model = pl.Model(gravity=(0, 0, -GRAVITY))
+    table = sheet(model, n=3, size=0.15, thickness=6e-3)
+    hold(model, table, ("rim",))
+    x = np.linspace(0.0, 0.12, 9)
+    z = 8.1e-3 + 2e-3 * (1.0 - np.cos(4.0 * np.pi * x / 0.12))
+    line = np.stack([x - 0.06, 0.01 - 0.25 * x, z], -1)
+    rope = model.add_cable(line, elements=8, section=pl.Circle(5e-3), material=ROPE)
+    model.add_contact(rope, table, damping=damping)
+    # Zones grow under the waves: with three points in each Newton's iteration stopped for good.
+    result = pl.simulate(model, duration=0.3, step=2e-3)
+    assert result.statistics.rejected < 20
+    mass = np.pi * 25e-6 * 1200.0 * np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    # The impulse is a sum of trapezoids.
+    assert carried(result, rope, table, mass) == pytest.approx(1.0, abs=1e-3)
+
+
 def test_a_sheet_slides_on_a_sloping_sheet(record):
     angle = np.radians(30.0)
     model = pl.Model(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))

@@ -12,6 +12,7 @@
 
 use crate::friction::{Friction, Response, Slip};
 use crate::normal::{Normal, Pressure};
+use crate::zones::Sample;
 use nalgebra::{Matrix3, Vector3};
 
 /// How the foot slides along a master line.
@@ -119,6 +120,12 @@ impl Place {
     #[must_use]
     pub fn gap_slope(&self) -> f64 {
         -self.n.dot(&self.along)
+    }
+
+    /// The gap there, at this xi of the slave.
+    #[must_use]
+    pub fn sample(&self, xi: f64) -> Sample {
+        Sample { xi, gap: self.gap, slope: self.gap_slope() }
     }
 
     /// Force and tangent: `stiffness` times its derivative by the vectors plus `damping` times that by their

@@ -1,24 +1,10 @@
 //! Where a piece of a line touches another line or a shape, and the points that carry the force there.
 
-use crate::curve::{Piece, root, sign_changes};
+use crate::curve::{Piece, sign_changes};
 use crate::point::{Blocks, Laws, Motion, Place, Slide, Verge};
 use crate::shapes::Placed;
-use crate::zones::{Bounds, Convexity, Sample, zones};
+use crate::zones::{Bounds, Convexity, POINTS, Sample, Spot, Stretch, least, zones};
 use nalgebra::{Matrix3, Vector3};
-
-/// Points of a patch at most.
-pub const POINTS: usize = 5;
-
-/// Gauss points of a zone, and their weights, on [0, 1]. The points move with the zone's ends: force and stored energy
-/// belong together no better than the rule resolves the ramp of the normal force. Three points are five per cent off,
-/// five 0.6 per cent at most.
-const GAUSS: [(f64, f64); POINTS] = [
-    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
-    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
-    (0.5, 64.0 / 225.0),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-];
 
 /// What a piece may touch.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +36,10 @@ pub struct Patch {
     /// Its ends where the gap vanishes, or where the next element of the master takes over: they move with the lines, and
     /// the points with them.
     pub verges: [Option<Verge>; 2],
+    /// xi of the feet on the master at both ends; 0 on shapes.
+    pub etas: [f64; 2],
+    /// The gap at both ends.
+    ends: [Sample; 2],
     points: [Point; POINTS],
     count: usize,
 }
@@ -61,19 +51,23 @@ impl Patch {
         &self.points[..self.count]
     }
 
-    /// The smallest gap of the zone: from the deepest point the gap falls on with its own slope, which grows along the
-    /// zone at the rate found between the outer points.
+    /// The smallest gap of the zone, between its points and its ends.
     #[must_use]
     pub fn least_gap(&self) -> f64 {
-        let points = self.points();
-        let deeper = |a: &&Point, b: &&Point| a.place.gap.total_cmp(&b.place.gap);
-        let Some(deepest) = points.iter().min_by(deeper) else { return 0.0 };
-        let (gap, slope) = (deepest.place.gap, deepest.place.gap_slope());
-        let (first, last) = (&points[0], &points[points.len() - 1]);
-        let growth = (last.place.gap_slope() - first.place.gap_slope()) / (last.xi - first.xi);
-        let way = -slope / growth;
-        let inside = self.zone.0 - deepest.xi <= way && way <= self.zone.1 - deepest.xi;
-        if growth > 0.0 && inside { gap + 0.5 * slope * way } else { gap }
+        let [first, last] = self.ends;
+        let mut samples = [first; POINTS + 2];
+        for (sample, point) in samples[1..].iter_mut().zip(self.points()) {
+            *sample = point.place.sample(point.xi);
+        }
+        samples[self.count + 1] = last;
+        least(&samples[..self.count + 2])
+    }
+
+    /// The gap that one of its points is to show: the deepest that of the zone, the others their own.
+    #[must_use]
+    pub fn gap_at(&self, point: &Point) -> f64 {
+        let deepest = self.points().iter().all(|other| point.place.gap <= other.place.gap);
+        if deepest { self.least_gap() } else { point.place.gap }
     }
 
     /// Leaves each point this share, 0 to 1, of the length that it stands for. Returns whether anything is left.
@@ -314,36 +308,16 @@ impl Master<'_> {
         out.extend(spans.filter(|&(a, c)| c > a && wanted(0.5 * (a + c))));
     }
 
-    /// A zone in parts, cut where the gap is largest in between, with a word whether their ends are such places: there
-    /// zones join and part, and their points with them. Where two become one, all at once, the force would jump by what
-    /// the points of the one leave out.
-    fn parts(&self, slave: &Piece, zone: (f64, f64)) -> Vec<((f64, f64), [bool; 2])> {
-        let width = zone.1 - zone.0;
-        if width * slave.length() < WIDE * slave.radius() {
-            return vec![(zone, [false; 2])];
-        }
-        let slope = |xi: f64| {
+    /// A zone in stretches.
+    fn stretches(&self, slave: &Piece, zone: (f64, f64)) -> Vec<Stretch> {
+        Stretch::of(slave, zone, |xi| {
             let q = slave.at(xi);
             let normal = match self {
                 Self::Shape(shape) => shape.distance(q).normal,
                 Self::Line(master, _) => q - master.at(master.nearest(q)),
             };
             normal.dot(&slave.slope(xi))
-        };
-        let mut cuts = vec![zone.0];
-        let mut last = (zone.0, slope(zone.0));
-        for k in 1..=SAMPLES {
-            let xi = zone.0 + width * k as f64 / SAMPLES as f64;
-            let next = (xi, slope(xi));
-            if last.1 > 0.0 && next.1 < 0.0 {
-                cuts.push(root(slope, last, next, END));
-            }
-            last = next;
-        }
-        cuts.push(zone.1);
-        let end = cuts.len() - 1;
-        let part = |k: usize| ((cuts[k], cuts[k + 1]), [k > 0, k + 1 < end]);
-        (0..end).map(part).collect()
+        })
     }
 
     fn bounds(&self, slave: &Piece) -> Bounds {
@@ -419,16 +393,18 @@ impl Master<'_> {
             return;
         }
         let zones = self.zones_near(slave);
-        for (zone, tops) in zones.into_iter().flat_map(|zone| self.parts(slave, zone)) {
-            let width = zone.1 - zone.0;
-            let points = GAUSS.map(|(part, w)| {
-                let xi = zone.0 + part * width;
-                let (place, eta) = self.face(slave, xi, w * width * slave.length());
+        for stretch in zones.into_iter().flat_map(|zone| self.stretches(slave, zone)) {
+            let Stretch { zone, tops } = stretch;
+            let points = stretch.spots(slave).map(|Spot { xi, part, weight }| {
+                let (place, eta) = self.face(slave, xi, weight);
                 Point { place, xi, eta, part }
             });
-            let verges = [(zone.0, tops[0]), (zone.1, tops[1])].map(|(xi, top)| {
-                let (place, _) = self.face(slave, xi, 0.0);
-                if top {
+            let faced = [zone.0, zone.1].map(|xi| (self.face(slave, xi, 0.0), xi));
+            let ends = faced.map(|((place, _), xi)| place.sample(xi));
+            let etas = faced.map(|((_, eta), _)| eta);
+            let verges = [0, 1].map(|k| {
+                let ((place, _), xi) = faced[k];
+                if tops[k] {
                     return Verge::on_top(&place, slave.bend(xi));
                 }
                 let small = VANISHING * slave.radius();
@@ -444,7 +420,7 @@ impl Master<'_> {
                 let mut on = offsets.filter(|(_, d, t)| d.dot(t).abs() < small * t.norm());
                 on.next().and_then(|(end, d, t)| Verge::on_plane(&place, end, d, t))
             });
-            found.push(Patch { zone, verges, points, count: POINTS });
+            found.push(Patch { zone, verges, etas, ends, points, count: POINTS });
         }
         for xi in [0.0, 1.0] {
             if !free[xi as usize] || !self.owns(slave, xi) {
@@ -453,17 +429,19 @@ impl Master<'_> {
             let (place, eta) = self.face(slave, xi, slave.radius());
             if place.gap < 0.0 {
                 let points = [Point { place, xi, eta, part: 0.5 }; POINTS];
-                found.push(Patch { zone: (xi, xi), verges: [None; 2], points, count: 1 });
+                found.push(Patch {
+                    zone: (xi, xi),
+                    verges: [None; 2],
+                    etas: [eta; 2],
+                    ends: [place.sample(xi); 2],
+                    points,
+                    count: 1,
+                });
             }
         }
     }
 }
 
-/// Length, in radii, from which on zones are looked at for places where they may part, and how many places.
-const WIDE: f64 = 4.0;
-const SAMPLES: usize = 8;
-/// Accuracy of the places where they do, by xi.
-const END: f64 = 1e-13;
 /// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
 const STRAIGHT: f64 = 0.2;
 /// See [`Master::shift`], in radii of the slave: far above rounding, far below what is seen.

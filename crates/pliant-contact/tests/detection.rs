@@ -10,6 +10,7 @@ use pliant_contact::normal::Normal;
 use pliant_contact::point::{Blocks, Laws, Motion};
 use pliant_contact::shapes::{Placed, Shape};
 use pliant_contact::touch::{Master, Patch};
+use pliant_contact::zones::Stretch;
 use proptest::prelude::*;
 
 fn piece(a: Vector3<f64>, t: Vector3<f64>, b: Vector3<f64>, u: Vector3<f64>, radius: f64) -> Piece {
@@ -222,17 +223,39 @@ fn force_is_the_slope_of_the_stored_energy() {
 
 #[test]
 fn least_gap_is_that_of_the_zone() {
-    for (degrees, delta) in [(90.0, 1e-5), (40.0, 1e-4), (15.0, 3e-4)] {
-        let r = 1e-3;
+    // The deepest point lies well inside of the piece, where it ends, or beside its end.
+    let r = 1e-3;
+    let cases = [(90.0, 1e-5), (40.0, 1e-4), (15.0, 3e-4), (60.0, 1e-3)];
+    for (degrees, delta) in cases {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         let master = straight(Vector3::new(0.1, 0.0, 0.0), Vector3::x(), r);
-        // The deepest point lies beside the middle of the piece.
-        let middle = Vector3::new(0.05 * cos, 0.05 * sin, 2.0 * r - delta);
-        let slave = straight(middle, Vector3::new(cos, sin, 0.0), r);
-        let (_, found) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e7);
-        // The gap is a parabola up to delta/(4 R) of it.
-        assert!((found[0].least_gap() / -delta - 1.0).abs() < 0.1 * delta / r, "{degrees}");
+        for beside in [0.05, 0.5, 0.5 - 1e-4, 0.5 - 1e-3] {
+            let along = Vector3::new(cos, sin, 0.0);
+            let middle = along * beside + Vector3::z() * (2.0 * r - delta);
+            let slave = straight(middle, along, r);
+            let (_, found) = normal_force(&slave, &Master::Line(&master, [false, false]), 1e7);
+            let error = (found[0].least_gap() + delta).abs() / r;
+            // The gap is a cubic between two points but for the fourth power of their distance.
+            assert!(
+                error < if delta > 3e-4 { 2e-3 } else { 1e-5 },
+                "{degrees}, {delta}, {beside}: {error}"
+            );
+        }
     }
+}
+
+#[test]
+fn stretches_are_cut_where_the_gap_is_largest() {
+    let slave = straight(Vector3::zeros(), Vector3::x(), 1e-2);
+    // At a sample, exactly; between two; at neither, for a gap that has its least there.
+    for top in [0.5, 0.53] {
+        let cut = Stretch::of(&slave, (0.0, 1.0), |xi| top - xi);
+        assert_eq!(cut.len(), 2, "{cut:?}");
+        assert!((cut[0].zone.1 - top).abs() < 1e-12 && cut[0].zone.1 == cut[1].zone.0, "{cut:?}");
+        assert_eq!((cut[0].tops, cut[1].tops), ([false, true], [true, false]));
+        assert_eq!(Stretch::of(&slave, (0.0, 1.0), |xi| xi - top).len(), 1);
+    }
+    assert_eq!(Stretch::of(&slave, (0.0, 1.0), |_| 0.0).len(), 1);
 }
 
 fn normal_force(slave: &Piece, master: &Master<'_>, k: f64) -> (f64, Vec<Patch>) {

@@ -4,11 +4,14 @@
 
 mod support;
 
+use pliant_dae::generalized_alpha::Options;
 use pliant_dae::problem::{Point, Problem, Weights};
 use pliant_multibody::model::Model;
+use pliant_multibody::run::{Leg, Run, RunOptions, Start};
 use pliant_multibody::spec::{Array, ContactSpec, FrictionSpec, MasterSpec, ModelSpec, ShapeSpec};
 use pliant_multibody::system::{Mode, System};
 use std::sync::Arc;
+use std::time::Duration;
 use support::{document, straight_cable};
 
 fn friction() -> FrictionSpec {
@@ -161,4 +164,36 @@ fn structure_grows_with_what_touches_and_forgets_it() {
     }
     assert_eq!(elements(&apart, &mut system), none + 6);
     assert!(system.structure().version() > version);
+}
+
+#[test]
+fn a_zone_is_one_record_however_the_lines_run() {
+    // A cable along another, over several elements of both, which end at different places.
+    let mut forces = Vec::new();
+    for (sign, begin) in [(1.0, -0.1), (-1.0, 1.1)] {
+        let low = straight_cable("low", 6, 1.2);
+        let mut master = low.clone();
+        let x = |i: usize| begin + sign * 0.2 * i as f64;
+        master.r = Array::Inline((0..7).flat_map(|i| [x(i), 0.0, 0.0]).collect());
+        master.t = Array::Inline((0..7).flat_map(|_| [sign, 0.0, 0.0]).collect());
+        let mut high = straight_cable("high", 7, 0.9);
+        let y = |i: usize| 0.9 / 7.0 * i as f64;
+        high.r = Array::Inline((0..8).flat_map(|i| [y(i), 0.0, 9.9e-3]).collect());
+        let mut spec = document([0.0; 3], vec![master, high], Vec::new());
+        spec.contacts = crossing(None).contacts;
+        spec.contacts.truncate(1);
+        let model = Arc::new(Model::new(&spec, &[]).unwrap());
+        let options = RunOptions { integrator: Options::default(), threads: 1 };
+        let mut run = Run::new(model, &options, Start::default()).unwrap().0;
+        // A step so short that nothing moves by 1e-9 m.
+        let leg = Leg { steps: 1, step: 1e-9, end: None, output_every: 0 };
+        run.advance(leg, Duration::MAX).unwrap();
+        let records = run.present().patches;
+        // The zone, and the free ends of the upper cable.
+        assert_eq!(records.len(), 3, "{sign}: {records:?}");
+        assert!(records.iter().all(|record| (record[7] + 1e-4).abs() < 1e-9), "{records:?}");
+        forces.push(records.iter().map(|record| record[8]).fold(0.0, f64::max));
+    }
+    // Rounding.
+    assert!((forces[0] / forces[1] - 1.0).abs() < 1e-9, "{forces:?}");
 }

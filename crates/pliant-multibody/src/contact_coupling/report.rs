@@ -6,15 +6,15 @@ use nalgebra::Vector3;
 use pliant_contact::point::Force;
 use pliant_contact::touch::Point as Place;
 
-/// Pieces of a zone that are looked back at for one that goes on here: those on other turns of the line lie between.
+/// Pieces of zones that are looked back at for those that go on here: those on other turns of the line lie between.
 const BACK: usize = 8;
 
 /// A zone, summed over its points.
 struct Zone {
     contact: usize,
     is_end: bool,
-    /// Arc length of the slave where it ends, and of the master there [m].
-    end: (f64, f64),
+    /// Arc lengths of the slave and of the master where it begins and where it ends along the slave [m].
+    ends: [(f64, f64); 2],
     radius: f64,
     weighted: Vector3<f64>,
     normal: Vector3<f64>,
@@ -23,7 +23,48 @@ struct Zone {
     gap: f64,
 }
 
-/// Gathers patches, which come along the slave, into zones.
+impl Zone {
+    fn of(touch: &Touch, radius: f64) -> Self {
+        Self {
+            contact: touch.contact,
+            is_end: touch.patch.is_end(),
+            ends: touch.ends(),
+            radius,
+            weighted: Vector3::zeros(),
+            normal: Vector3::zeros(),
+            friction: Vector3::zeros(),
+            force: 0.0,
+            gap: touch.patch.least_gap(),
+        }
+    }
+
+    /// Whether another one begins where this one ends.
+    fn leads_to(&self, next: &Self) -> bool {
+        let (here, there) = (self.ends[1], next.ends[0]);
+        self.contact == next.contact
+            && !self.is_end
+            && !next.is_end
+            && (there.0 - here.0).abs() <= 1e-9 * (1.0 + here.0.abs())
+            && (there.1 - here.1).abs() <= 4.0 * self.radius
+    }
+
+    /// Takes up one that ends where this one begins, or begins where this one ends.
+    fn join(&mut self, other: &Self) {
+        if other.leads_to(self) {
+            self.ends[0] = other.ends[0];
+        } else {
+            self.ends[1] = other.ends[1];
+        }
+        self.weighted += other.weighted;
+        self.normal += other.normal;
+        self.friction += other.friction;
+        self.force += other.force;
+        self.gap = self.gap.min(other.gap);
+    }
+}
+
+/// Gathers patches into zones. They come element by element of the slave, and for each of the master: where that runs the
+/// other way, the later piece of a zone comes first.
 #[derive(Default)]
 pub(super) struct Report {
     zones: Vec<Zone>,
@@ -33,34 +74,13 @@ pub(super) struct Report {
 impl Report {
     /// Begins a patch.
     pub(super) fn begin(&mut self, touch: &Touch, radius: f64) {
-        let (first, last) = touch.ends();
-        let slack = 1e-9 * (1.0 + first.0.abs());
-        let follows = |zone: &Zone| {
-            zone.contact == touch.contact
-                && !zone.is_end
-                && !touch.patch.is_end()
-                && (first.0 - zone.end.0).abs() <= slack
-                && (first.1 - zone.end.1).abs() <= 4.0 * radius
-        };
-        let from = self.zones.len().saturating_sub(BACK);
-        if let Some(k) = self.zones[from..].iter().position(follows) {
-            let mut zone = self.zones.remove(from + k);
-            zone.end = last;
-            zone.gap = zone.gap.min(touch.patch.least_gap());
-            self.zones.push(zone);
-        } else {
-            self.zones.push(Zone {
-                contact: touch.contact,
-                is_end: touch.patch.is_end(),
-                end: last,
-                radius,
-                weighted: Vector3::zeros(),
-                normal: Vector3::zeros(),
-                friction: Vector3::zeros(),
-                force: 0.0,
-                gap: touch.patch.least_gap(),
-            });
+        let mut zone = Zone::of(touch, radius);
+        for k in (self.zones.len().saturating_sub(BACK)..self.zones.len()).rev() {
+            if self.zones[k].leads_to(&zone) || zone.leads_to(&self.zones[k]) {
+                zone.join(&self.zones.remove(k));
+            }
         }
+        self.zones.push(zone);
         self.open = true;
     }
 

@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
 use pliant_contact::curve::Piece;
 use pliant_contact::point::{Force, Laws, Motion};
-use pliant_contact::touch::{Master as Facing, POINTS, Patch, Point as Place};
+use pliant_contact::touch::{Master as Facing, Patch, Point as Place};
+use pliant_contact::zones::POINTS;
 use pliant_dae::problem::Point;
 
 /// Looks at the coordinates between two of all pairs that are few, and that are many.
@@ -35,20 +36,21 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Arc lengths on slave and master at both ends of the zone, those of the master at the outermost points [m].
+    /// Arc lengths on slave and master at both ends of the zone [m].
     #[must_use]
-    pub fn ends(&self) -> ((f64, f64), (f64, f64)) {
-        let points = self.patch.points();
-        let (first, last) = (&points[0], &points[points.len() - 1]);
-        let at =
-            |xi: f64, point: &Place| (self.starts[0] + xi * self.lengths[0], self.arc(point).1);
-        (at(self.patch.zone.0, first), at(self.patch.zone.1, last))
+    pub fn ends(&self) -> [(f64, f64); 2] {
+        let Patch { zone, etas, .. } = self.patch;
+        [(zone.0, etas[0]), (zone.1, etas[1])].map(|at| self.arcs(at))
+    }
+
+    fn arcs(&self, (xi, eta): (f64, f64)) -> (f64, f64) {
+        (self.starts[0] + xi * self.lengths[0], self.starts[1] + eta * self.lengths[1])
     }
 
     /// Arc lengths of a point on slave and master [m].
     #[must_use]
     pub fn arc(&self, point: &Place) -> (f64, f64) {
-        (self.starts[0] + point.xi * self.lengths[0], self.starts[1] + point.eta * self.lengths[1])
+        self.arcs((point.xi, point.eta))
     }
 }
 

@@ -328,7 +328,7 @@ impl Probes {
                 contact: facing.contact as u32,
                 point: (touch.point().place() * normal_force).into(),
                 normal: (n * (facing.sign * normal_force)).into(),
-                gap: touch.point().gap(),
+                gap: touch.gap,
                 normal_force,
                 friction_force: (push - n * (facing.sign * normal_force)).into(),
             };

@@ -11,7 +11,7 @@ use pliant_contact::foot::Foot;
 use pliant_contact::manifolds::meet;
 use pliant_contact::probe::{Opposing, Pose, Probe, Slave};
 use pliant_contact::shapes::{Distance, Placed, Shape};
-use pliant_contact::touch::{Master, Patch};
+use pliant_contact::touch::{Master, Patch, Point};
 
 /// How the slave's vectors make up the probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +64,8 @@ pub(crate) struct Touch {
     pub blend: Blend,
     pub mark: Mark,
     pub meets: Meets,
+    /// Gap to report: of the deepest point of a zone the least in all of it [m].
+    pub gap: f64,
 }
 
 impl Touch {
@@ -114,9 +116,10 @@ impl Facing {
     fn find(&self, number: usize, q: &[f64], out: &mut Vec<Touch>) {
         let Some((master, shape)) = self.master.shape(q) else { return };
         let moves = self.master.moves();
-        let mut add = |part: usize, blend, mark, probe: Probe| {
+        let mut add = |part: usize, blend, mark, probe: Probe, gap: f64| {
             if probe.gap() < 0.0 && probe.weight > 0.0 {
-                out.push(Touch { facing: number, part, blend, mark, meets: Meets::Shape(probe) });
+                let meets = Meets::Shape(probe);
+                out.push(Touch { facing: number, part, blend, mark, meets, gap });
             }
         };
         let facing = |slave: Slave, p: Vector3<f64>, radius: f64, weight: f64| {
@@ -133,24 +136,25 @@ impl Facing {
                     for (k, &(_, area)) in face.rule.iter().enumerate() {
                         let probe = facing(Slave::Point, face.probe(k, q), face.radius, area);
                         let mark = Mark::Number((f as u64) << 8 | k as u64);
-                        add(f, Blend::Rule(k), mark, probe);
+                        add(f, Blend::Rule(k), mark, probe, probe.gap());
                     }
                 }
             }
             Side::Mass(terms, radius) => {
                 let p = terms.iter().map(|&(o, w)| Vector3::new(q[o], q[o + 1], q[o + 2]) * w);
                 let probe = facing(Slave::Point, p.sum(), *radius, 1.0);
-                add(0, Blend::Mass, Mark::Number(0), probe);
+                add(0, Blend::Mass, Mark::Number(0), probe, probe.gap());
             }
             Side::Line(line) => {
                 let placed =
                     Placed { shape: shape.clone(), origin: master.origin, axes: master.axes };
                 for (e, segment) in line.iter().enumerate() {
                     let piece = segment.piece(q);
-                    along(&placed, &piece, segment.free, |xi, weight, patch| {
+                    along(&placed, &piece, segment.free, |point, patch| {
+                        let (xi, weight) = (point.xi, point.place.weight);
                         let blend = Blend::Line(piece.weights(xi));
                         let probe = facing(Slave::Point, piece.at(xi), segment.radius, weight);
-                        add(e, blend, mark(segment, xi, patch), probe);
+                        add(e, blend, mark(segment, xi, patch), probe, patch.gap_at(point));
                     });
                 }
             }
@@ -179,7 +183,7 @@ impl Facing {
                             distance,
                             weight: point.weight,
                         };
-                        add(0, Blend::Own, Mark::Number(Spot::NEAREST), probe);
+                        add(0, Blend::Own, Mark::Number(Spot::NEAREST), probe, probe.gap());
                     }
                     return;
                 }
@@ -189,14 +193,15 @@ impl Facing {
                     let axis = pose.axes.column(2).into_owned();
                     let ends = [-half, half].map(|z| pose.origin + axis * z);
                     let piece = Piece::new([ends[0], axis, ends[1], axis], 2.0 * half, radius);
-                    along(&placed, &piece, [true; 2], |xi, weight, patch| {
+                    along(&placed, &piece, [true; 2], |point, patch| {
+                        let (xi, weight) = (point.xi, point.place.weight);
                         let local = Vector3::new(0.0, 0.0, (2.0 * xi - 1.0) * half);
                         let slave = carried(&self.slave, pose, local);
                         let probe = facing(slave, pose.at(local), radius, weight / radius);
                         let zone = [patch.zone.0, patch.zone.1].map(|xi| xi * 2.0 * half);
                         let arc = xi * 2.0 * half;
                         let mark = Mark::Along { arc, zone, end: patch.is_end() };
-                        add(0, Blend::Own, mark, probe);
+                        add(0, Blend::Own, mark, probe, patch.gap_at(point));
                     });
                     return;
                 }
@@ -205,7 +210,7 @@ impl Facing {
                 for (k, (local, radius)) in points(own, towards).into_iter().enumerate() {
                     let slave = carried(&self.slave, pose, local);
                     let probe = facing(slave, pose.at(local), radius, 1.0);
-                    add(0, Blend::Own, Mark::Number(k as u64), probe);
+                    add(0, Blend::Own, Mark::Number(k as u64), probe, probe.gap());
                 }
             }
         }
@@ -250,12 +255,12 @@ pub(super) fn carried(side: &Side, pose: Pose, local: Vector3<f64>) -> Slave {
     }
 }
 
-fn along(shape: &Placed, piece: &Piece, free: [bool; 2], mut work: impl FnMut(f64, f64, &Patch)) {
+fn along(shape: &Placed, piece: &Piece, free: [bool; 2], mut work: impl FnMut(&Point, &Patch)) {
     let mut patches = Vec::new();
     Master::Shape(shape).touch(piece, free, &mut patches);
     for patch in &patches {
         for point in patch.points() {
-            work(point.xi, point.place.weight, patch);
+            work(point, patch);
         }
     }
 }

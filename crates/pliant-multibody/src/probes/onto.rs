@@ -12,21 +12,16 @@ use super::{Facing, Probes, Side};
 use crate::contact_coupling::Segment;
 use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
+use pliant_contact::curve::Piece;
 use pliant_contact::foot::Foot;
 use pliant_contact::net::Feature;
 use pliant_contact::probe::{Opposing, Slave};
-use pliant_contact::zones::{Bounds, zones};
+use pliant_contact::zones::{Bounds, POINTS, Sample, Spot as Place, Stretch, least, zones};
 
 /// Cosine of the angle between normals below which two feet are those of one place.
 const ONE: f64 = 0.866;
 /// Cosine between normals of two faces above which they are not folded on each other.
 const UNFOLDED: f64 = 0.2;
-/// Gauss points of a zone and their weights.
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_3, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
 
 /// Scratch of the search, and what it must know of the last accepted step.
 #[derive(Clone, Debug, Default)]
@@ -108,6 +103,26 @@ struct One<'a> {
     own: Option<Vector3<f64>>,
     faces: &'a [usize],
     range: f64,
+}
+
+/// An element of a line over faces that it may touch.
+struct Over<'a> {
+    segment: &'a Segment,
+    piece: Piece,
+    /// Where it was.
+    before: Option<Piece>,
+    part: usize,
+    faces: &'a [usize],
+    range: f64,
+    /// Gap from which on feet do not count [m].
+    most: f64,
+}
+
+impl Over<'_> {
+    /// The gap of a probe at `xi`: the foot's own way does not count in its slope.
+    fn sample(&self, xi: f64, probe: &Foot) -> Sample {
+        Sample { xi, gap: probe.gap(), slope: probe.normal().dot(&self.piece.slope(xi)) }
+    }
 }
 
 /// One facing, at hand.
@@ -429,10 +444,47 @@ impl Here<'_> {
                     part: one.part,
                     blend: one.blend,
                     mark: one.mark,
+                    gap: probe.gap(),
                     meets: Meets::Face(probe, ground),
                 });
             }
         }
+    }
+
+    /// A probe on an element of a line, in a zone of it or, a free end, on its own.
+    fn one<'b>(
+        &self,
+        over: &Over<'b>,
+        (xi, weight): (f64, f64),
+        zone: (f64, f64),
+        end: bool,
+    ) -> One<'b> {
+        let arc = |xi: f64| over.segment.start + xi * over.segment.length;
+        One {
+            slave: Slave::Point,
+            p: over.piece.at(xi),
+            was: over.before.map(|before| before.at(xi)),
+            radius: over.segment.radius,
+            weight: weight * self.facing.share,
+            part: over.part,
+            mark: Mark::Along { arc: arc(xi), zone: [arc(zone.0), arc(zone.1)], end },
+            blend: Blend::Line(over.piece.weights(xi)),
+            own: None,
+            faces: over.faces,
+            range: over.range,
+        }
+    }
+
+    /// The least gap at a place, where one is within reach.
+    fn nearest(&self, over: &Over<'_>, xi: f64) -> Option<Sample> {
+        let one = self.one(over, (xi, 1.0), (xi, xi), false);
+        let mut feet = Vec::new();
+        self.skin.feet(self.now, over.faces, (one.p, over.range), &mut feet);
+        feet.into_iter()
+            .filter(|foot| self.facing.apart.is_empty() || !self.excluded(self.skin.place(foot)))
+            .map(|foot| over.sample(xi, &self.before(&one, &foot)))
+            .filter(|sample| sample.gap < over.most)
+            .min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 
     /// Zones of an element of a line, and its free ends.
@@ -444,54 +496,56 @@ impl Here<'_> {
         range: f64,
         out: &mut Vec<Touch>,
     ) {
-        let piece = segment.piece(q);
-        let before = was.map(|was| segment.piece(was));
-        let arc = |xi: f64| segment.start + xi * segment.length;
-        let one = |xi: f64, weight: f64, zone: (f64, f64), end: bool| One {
-            slave: Slave::Point,
-            p: piece.at(xi),
-            was: before.map(|before| before.at(xi)),
-            radius: segment.radius,
-            weight: weight * self.facing.share,
+        let half = faces.iter().map(|&f| self.skin.faces[f].radius).fold(0.0, f64::max);
+        let over = Over {
+            segment,
+            piece: segment.piece(q),
+            before: was.map(|was| segment.piece(was)),
             part,
-            mark: Mark::Along { arc: arc(xi), zone: [arc(zone.0), arc(zone.1)], end },
-            blend: Blend::Line(piece.weights(xi)),
-            own: None,
             faces,
             range,
-        };
-        let half = faces.iter().map(|&f| self.skin.faces[f].radius).fold(0.0, f64::max);
-        let most = range - segment.radius - half;
-        let gap = |xi: f64| {
-            let one = one(xi, 1.0, (xi, xi), false);
-            let mut feet = Vec::new();
-            self.skin.feet(self.now, faces, (one.p, range), &mut feet);
-            let gaps = feet
-                .iter()
-                .filter(|foot| {
-                    self.facing.apart.is_empty() || !self.excluded(self.skin.place(foot))
-                })
-                .map(|foot| self.before(&one, foot).gap());
-            gaps.fold(most, f64::min)
+            most: range - segment.radius - half,
         };
         let bounds = Bounds {
-            speed: piece.speed_bound(),
-            bend: piece.bend_bound(),
+            speed: over.piece.speed_bound(),
+            bend: over.piece.bend_bound(),
             reach: segment.radius + half,
             floor: 1e-3 * segment.radius,
             single: 0.25 * segment.radius,
         };
-        for zone in zones(gap, (0.0, 1.0), &bounds) {
-            let width = zone.1 - zone.0;
-            for (place, w) in GAUSS {
-                let xi = zone.0 + place * width;
-                self.touch(&one(xi, w * width * segment.length, zone, false), out);
+        let sample = |xi: f64| {
+            let flat = Sample { xi, gap: over.most, slope: 0.0 };
+            self.nearest(&over, xi).unwrap_or(flat)
+        };
+        for zone in zones(|xi| sample(xi).gap, (0.0, 1.0), &bounds) {
+            for stretch in Stretch::of(&over.piece, zone, |xi| sample(xi).slope) {
+                self.stretch(&over, &stretch, out);
             }
         }
         for xi in [0.0, 1.0] {
             if segment.free[xi as usize] {
-                self.touch(&one(xi, segment.radius, (xi, xi), true), out);
+                self.touch(&self.one(&over, (xi, segment.radius), (xi, xi), true), out);
             }
+        }
+    }
+
+    /// The points of a stretch; the deepest shows the least gap of all of it.
+    fn stretch(&self, over: &Over<'_>, stretch: &Stretch, out: &mut Vec<Touch>) {
+        let (zone, from) = (stretch.zone, out.len());
+        let mut samples = Vec::with_capacity(POINTS + 2);
+        samples.extend(self.nearest(over, zone.0));
+        for Place { xi, weight, .. } in stretch.spots(&over.piece) {
+            let first = out.len();
+            self.touch(&self.one(over, (xi, weight), zone, false), out);
+            let probes = out[first..].iter().filter_map(|touch| match &touch.meets {
+                Meets::Face(probe, _) => Some(over.sample(xi, probe)),
+                Meets::Shape(_) => None,
+            });
+            samples.extend(probes.min_by(|a, b| a.gap.total_cmp(&b.gap)));
+        }
+        samples.extend(self.nearest(over, zone.1));
+        if let Some(deepest) = out[from..].iter_mut().min_by(|a, b| a.gap.total_cmp(&b.gap)) {
+            deepest.gap = least(&samples);
         }
     }
 }
