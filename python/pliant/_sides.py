@@ -34,6 +34,9 @@ __all__ = ["document", "is_of_lines", "kind_of", "why_not"]
 
 SINKING = 1e-3
 """How deep a rigid body sinks under its own weight, over its size: what its stiffness is chosen for."""
+LAYER = 2e7
+"""Largest modulus of surfaces as layers [Pa]: a pressure of 10 bar sinks in by a twentieth of the thickness. Stiffer
+foils would bounce faster than any step follows."""
 POINT_SIZE = 1e-2
 """Size of a mass without a radius [m]."""
 WINDOW = 1.05 * np.pi / 2.0
@@ -205,7 +208,7 @@ def _radius(shape: Any) -> float:
 def _stiffness(contact: ContactData, sides: list[Side], size: float, gravity: float) -> float:
     """Give the stiffness of a contact: that of the body that yields, else what carries a weight.
 
-    Surfaces as layers of their materials between the faces, E/t per area; lines as round bars that cross
+    Surfaces as layers of their materials between the faces, E/t per area, E no more than `LAYER`; lines as round bars that cross
     another of the other's material; a mass on a surface as a column of the mass's section; rigid bodies so
     that the lighter one sinks in by a thousandth of its size.
     """
@@ -217,7 +220,9 @@ def _stiffness(contact: ContactData, sides: list[Side], size: float, gravity: fl
         moduli = [effective_modulus(side) for side in lines] + [side.youngs_modulus for side in surfaces]
         return 0.5 / sum((1.0 - POISSON_RATIO**2) / modulus for modulus in moduli)
     if surfaces:
-        layer = 1.0 / sum(float(side.thickness.min()) / side.youngs_modulus for side in surfaces)
+        thickness = [float(side.thickness.min()) for side in surfaces]
+        layer = 1.0 / sum(t / side.youngs_modulus for t, side in zip(thickness, surfaces, strict=True))
+        layer = min(layer, LAYER / sum(thickness))
         points = [side for side in sides if isinstance(side, MassBody)]
         return layer * np.pi * (points[0].radius or POINT_SIZE) ** 2 if points else layer
     masses = [side.mass for side in sides if isinstance(side, (RigidBodyData, MassBody))]

@@ -122,3 +122,15 @@ def test_friction_acts_from_the_start(law):
     lost = result.energy.dissipated[1]
     assert lost > 0.0
     assert abs(result.energy.total[1] - result.energy.total[0]) < 0.02 * lost
+
+
+def test_a_fine_thin_sheet_falls_freely_without_effort():
+    # Nothing strains: what is left of membrane forces is rounding, far above the twists' own small inertia.
+    model = pl.Model(gravity=GRAVITY)
+    foil = pl.LinearElastic(youngs_modulus=4e9, poisson_ratio=0.38, density=1390.0)
+    sheet = model.add_shell(pl.Mesh.rectangle(0.3, 0.3, (16, 16)), thickness=25e-6, material=foil)
+    result = pl.simulate(model, duration=3e-3, step=1e-3)
+    assert result.statistics.rejected == 0
+    assert result.statistics.newton_iterations <= 9
+    fallen = -0.5 * 9.81 * result.time[-1] ** 2
+    assert result.positions(sheet)[-1, :, 2] == pytest.approx(fallen, rel=1e-6)

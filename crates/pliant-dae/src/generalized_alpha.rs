@@ -23,6 +23,8 @@ use crate::statistics::Stopwatch;
 const OVERSHOOT: f64 = 0.5;
 /// Cost of a factorisation in iterations, where these search for what touches, over that where they do not.
 const BESIDE_SEARCH: f64 = 0.4;
+/// Part of the accelerations by which noise may change them.
+const SLIGHT: f64 = 1e-7;
 /// Evaluations of a line search at most.
 const SEARCHES: usize = 8;
 
@@ -154,7 +156,7 @@ impl<P: Problem> Integrator<P> {
             }
             if verdict == Verdict::Stalled {
                 known = None;
-                verdict = if self.is_rounding_noise(size)? {
+                verdict = if self.is_rounding_noise(size, h)? {
                     Verdict::Converged
                 } else {
                     self.work.monitor.after_stall(floor, &newton)
@@ -363,10 +365,13 @@ impl<P: Problem> Integrator<P> {
         outcome.map_err(|e| Error::from_factor(&self.problem, kept.t, &e))
     }
 
-    /// Whether the last increment is rounding noise: 1e-14 of the coordinates, or the answer to a residual of
-    /// 1e-12 of the forces that cancel in it (stiff problems cannot do better).
-    fn is_rounding_noise(&mut self, size: f64) -> Result<bool, Error> {
+    /// Whether the last increment, of a step of length `h`, is rounding noise: 1e-14 of the coordinates, the answer to a
+    /// residual of 1e-12 of the forces that cancel in it (stiff problems cannot do better), or a change of the
+    /// accelerations by 1e-7 of them (forces that cancel inside a stiff element are not seen from outside).
+    fn is_rounding_noise(&mut self, size: f64, h: f64) -> Result<bool, Error> {
         let next = &self.work.next;
+        let accelerations = weighted_max(&next.a, &self.work.inverse_scale);
+        let slight = size * self.coefficients.acceleration_rate(h) <= SLIGHT * accelerations;
         let (force, phi) = self.work.x.split_at_mut(next.v.len());
         self.statistics.residuals += 2;
         let t = next.t;
@@ -380,7 +385,7 @@ impl<P: Problem> Integrator<P> {
         let (a, lambda_) = (&zero[..next.v.len()], &zero[..next.lambda_.len()]);
         let forces = evaluate(Point { a, lambda_, ..next.point() }, phi)?;
         Ok(gap <= self.options.newton.constraint_tolerance
-            && (size <= 8.0 * self.state.factor.floor || rest <= 1e-12 * forces))
+            && (slight || size <= 8.0 * self.state.factor.floor || rest <= 1e-12 * forces))
     }
 
     /// The error of an iteration that was given up.
