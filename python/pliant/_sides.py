@@ -35,8 +35,8 @@ __all__ = ["document", "is_of_lines", "kind_of", "why_not"]
 SINKING = 1e-3
 """How deep a rigid body sinks under its own weight, over its size: what its stiffness is chosen for."""
 LAYER = 2e7
-"""Largest modulus of surfaces as layers [Pa]: a pressure of 10 bar sinks in by a twentieth of the thickness. Stiffer
-foils would bounce faster than any step follows."""
+"""Largest modulus of surfaces as layers [Pa]: a pressure of 10 bar sinks in by a twentieth of the thickness.
+Stiffer foils would bounce faster than any step follows."""
 POINT_SIZE = 1e-2
 """Size of a mass without a radius [m]."""
 WINDOW = 1.05 * np.pi / 2.0
@@ -208,9 +208,9 @@ def _radius(shape: Any) -> float:
 def _stiffness(contact: ContactData, sides: list[Side], size: float, gravity: float) -> float:
     """Give the stiffness of a contact: that of the body that yields, else what carries a weight.
 
-    Surfaces as layers of their materials between the faces, E/t per area, E no more than `LAYER`; lines as round bars that cross
-    another of the other's material; a mass on a surface as a column of the mass's section; rigid bodies so
-    that the lighter one sinks in by a thousandth of its size.
+    Surfaces as layers of their materials between the faces, E/t per area with E no more than `LAYER`; lines
+    as round bars that cross another of the other's material; a mass on a surface as a column of the mass's
+    section; rigid bodies so that the lighter one sinks in by a thousandth of its size.
     """
     if contact.stiffness is not None:
         return contact.stiffness
