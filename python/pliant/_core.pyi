@@ -65,7 +65,7 @@ class System:
     def redundant(self) -> list[tuple[str, int, list[str]]]:
         """Joints with equations that follow from others at the start: joint, how many, from which joints."""
     def overlaps(self, q: FloatArray | None = None) -> list[tuple[str, float, float]]:
-        """Contacts whose sides overlap by much at q: name, depth and half the thickness of the thinner [m]."""
+        """Contacts whose sides overlap by much at q: name, depth, half the thickness of the thinner [m]."""
     def chamber_outputs(self) -> IntArray:
         """First number among the outputs of each chamber: absolute pressure, volume, mass, (k,)."""
     def past_outputs(self) -> IntArray:

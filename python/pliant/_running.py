@@ -235,14 +235,15 @@ def warn_of_overlap(system: System, model: Model, q: FloatArray | None) -> None:
     if not found:
         return
     told = [
-        f"{_sides_of(model._contacts[name])} by {depth:.3g} m ('{name}', half as thick as the thinner: {half:.3g} m)"
+        f"{_sides_of(model._contacts[name])} by {depth:.3g} m ('{name}'; half the thinner one's thickness is "
+        f"{half:.3g} m)"
         for name, depth, half in found[:SHOWN]
     ]
     if len(found) > SHOWN:
         told.append(f"{len(found) - SHOWN} more")
     warnings.warn(
-        f"bodies overlap at the start: {'; '.join(told)}. Contact will throw them apart; place them beside each "
-        "other, or leave out their contact",
+        f"bodies overlap at the start: {'; '.join(told)}. Contact will throw them apart; place them beside "
+        "each other, or leave out their contact",
         stacklevel=_levels_to_the_caller(),
     )
 

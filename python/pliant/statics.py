@@ -51,8 +51,8 @@ def solve_static(
 ) -> Result:
     """Find the equilibrium of a model under its loads.
 
-    Bodies with contact do not pass through each other on the way there: each increment of the search ends where
-    they press, and what slides off its support is found where it comes to rest.
+    Bodies with contact do not pass through each other on the way there: each increment of the search ends
+    where they press, and what slides off its support is found where it comes to rest.
 
     Parameters
     ----------

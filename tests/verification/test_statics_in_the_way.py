@@ -95,7 +95,7 @@ def test_a_rope_comes_to_lie_on_the_bars_below_it(record, modulus, stiffness):
 
 @pytest.mark.parametrize(("modulus", "stiffness"), [(5e6, 1.0), (5e6, 0.01), (5e7, 0.1)])
 def test_a_rope_that_slides_off_its_bars_is_found_below_them(modulus, stiffness):
-    # It has no equilibrium on them: limp, it slips through between them; soft springs do not keep it from sliding.
+    # It has no equilibrium on them: limp, it slips through between them; soft springs let it slide.
     model = pl.Model(gravity=(0, 0, -GRAVITY))
     rope = rope_of(model, modulus)
     bars = bars_at(model, rope, (-0.3, 0.25))

@@ -290,9 +290,12 @@ impl Problem for Truss {
     }
     fn way(&mut self, q: &[f64], increment: &[f64]) -> (f64, Option<String>) {
         let Some(floor) = self.floor else { return (1.0, None) };
-        let parts = q.iter().zip(increment).skip(1).step_by(2).map(|(y, d)| {
-            if y + d < floor { (floor - y) / d } else { 1.0 }
-        });
+        let parts = q
+            .iter()
+            .zip(increment)
+            .skip(1)
+            .step_by(2)
+            .map(|(y, d)| if y + d < floor { (floor - y) / d } else { 1.0 });
         let part = parts.fold(1.0, f64::min);
         (part, (part < 1.0).then(|| "the floor".to_owned()))
     }
