@@ -44,6 +44,8 @@ class ContactForces(Forces):
     def contacts(self) -> list[list[ContactPatch]]:
         """Where bodies touch, and the forces there: for each output a list, one entry for each zone or end.
 
+        The first of a run holds what touches at its start.
+
         Examples
         --------
         >>> import pliant as pl

@@ -64,6 +64,8 @@ class System:
         """First number among the outputs and number of numbers of each force, (k, 2)."""
     def redundant(self) -> list[tuple[str, int, list[str]]]:
         """Joints with equations that follow from others at the start: joint, how many, from which joints."""
+    def overlaps(self, q: FloatArray | None = None) -> list[tuple[str, float, float]]:
+        """Contacts whose sides overlap by much at q: name, depth, half the thickness of the thinner [m]."""
     def chamber_outputs(self) -> IntArray:
         """First number among the outputs of each chamber: absolute pressure, volume, mass, (k,)."""
     def past_outputs(self) -> IntArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator
@@ -19,6 +20,7 @@ from pliant._lowered import Lowered
 from pliant.beams import BeamBody
 from pliant.bodies import LineBody, MassBody
 from pliant.checkpoints import read
+from pliant.contacts import ContactData
 from pliant.errors import ConvergenceError, FileError, ModelError, translated
 from pliant.model import Model
 from pliant.readings import Statistics
@@ -37,12 +39,14 @@ __all__ = [
     "as_statistics",
     "build",
     "multipliers",
+    "name_contact",
     "name_node",
     "output_path",
     "require_model",
     "require_state",
     "start_vectors",
     "thread_count",
+    "warn_of_overlap",
     "warn_of_projection",
 ]
 
@@ -221,12 +225,54 @@ def warn_of_projection(
             return
 
 
+SHOWN = 3
+"""Overlaps that are told one by one."""
+
+
+def warn_of_overlap(system: System, model: Model, q: FloatArray | None) -> None:
+    """Tell which bodies are in each other at the start by more than any load would press them."""
+    found = sorted(system.overlaps(q), key=lambda one: one[1] / one[2], reverse=True)
+    if not found:
+        return
+    told = [
+        f"{_sides_of(model._contacts[name])} by {depth:.3g} m ('{name}'; half the thinner one's thickness is "
+        f"{half:.3g} m)"
+        for name, depth, half in found[:SHOWN]
+    ]
+    if len(found) > SHOWN:
+        told.append(f"{len(found) - SHOWN} more")
+    warnings.warn(
+        f"bodies overlap at the start: {'; '.join(told)}. Contact will throw them apart; place them beside "
+        "each other, or leave out their contact",
+        stacklevel=_levels_to_the_caller(),
+    )
+
+
+def _sides_of(contact: ContactData) -> str:
+    return f"'{contact.a}' itself" if contact.a == contact.b else f"'{contact.a}' and '{contact.b}'"
+
+
 def _levels_to_the_caller() -> int:
     """Levels of the stack from who asks to the line outside of pliant."""
     level, frame = 0, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("pliant."):
         level, frame = level + 1, frame.f_back
     return level + 1
+
+
+def name_contact(error: BaseException, model: Model) -> None:
+    """Add the bodies to a contact that the core blames."""
+    if isinstance(error, ConvergenceError):
+        text = re.sub(
+            r"contact '([^']*)'",
+            lambda found: (
+                f"{found[0]} of {_sides_of(model._contacts[found[1]])}"
+                if found[1] in model._contacts
+                else found[0]
+            ),
+            str(error),
+        )
+        error.args = (text, *error.args[1:])
 
 
 def name_node(error: BaseException, model: Model) -> None:

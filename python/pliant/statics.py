@@ -14,10 +14,12 @@ from pliant._running import (
     as_records,
     build,
     multipliers,
+    name_contact,
     name_node,
     require_model,
     require_state,
     start_vectors,
+    warn_of_overlap,
 )
 from pliant.errors import ConvergenceError, ModelError, translated
 from pliant.forces import ForceData
@@ -48,6 +50,9 @@ def solve_static(
     progress: bool | None = None,
 ) -> Result:
     """Find the equilibrium of a model under its loads.
+
+    Bodies with contact do not pass through each other on the way there: each increment of the search ends
+    where they press, and what slides off its support is found where it comes to rest.
 
     Parameters
     ----------
@@ -135,6 +140,7 @@ def solve_static(
     model = model.copy()
     lowered, system = build(model, state)
     q, _ = start_vectors(lowered, system, state, model)
+    warn_of_overlap(system, model, q)
     inputs = CallableInputs(lowered, lowered.held_values)
     lowered.grows = None if grows is None else list(grows)
     reached = 0.0
@@ -185,6 +191,7 @@ def solve_static(
                 arc_length = True
         except (ConvergenceError, ModelError) as error:
             name_node(error, model)
+            name_contact(error, model)
             if error.records is not None and len(error.records["time"]):
                 error.result = collect(error.records)
             raise

@@ -22,6 +22,7 @@ from pliant._running import (
     require_state,
     start_vectors,
     thread_count,
+    warn_of_overlap,
     warn_of_projection,
 )
 from pliant._steps import Steps
@@ -142,6 +143,7 @@ class Stepper:
                 "must be at most 0.98 in a model with constraints: undamped, they oscillate and blow up",
             )
         q, v = start_vectors(lowered, system, state, model)
+        warn_of_overlap(system, model, q)
         self._set_up(model, lowered, system, options, threads, q=q, v=v, held=lowered.held_values.tolist())
         wanted = v if v is not None else system.initial_v
         warn_of_projection(self._integrator, system, lowered, wanted, state)

@@ -294,7 +294,11 @@ def test_a_run_with_probes_resumes_with_the_same_bits(tmp_path):
             mass=0.2, shape=pl.Sphere(0.05), position=(0, 0, 0.06), velocity=(0.3, 0, 0)
         )
         rod = model.add_rigid_body(
-            mass=0.2, shape=pl.Capsule(0.02, 0.2), position=(0.3, 0, 0.03), velocity=(-0.3, 0, 0)
+            mass=0.2,
+            shape=pl.Capsule(0.02, 0.2),
+            position=(0.3, 0, 0.03),
+            orientation=Rotation.from_euler("y", 90, degrees=True),
+            velocity=(-0.3, 0, 0),
         )
         cloth = sheet(model, n=2, height=0.14, velocity=(0, 0, -0.5))
         model.add_contacts([ground, ball, rod], friction=pl.LuGre(0.4, 0.3))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pliant as pl
+import pytest
 from scipy.spatial import cKDTree
 
 RADIUS, STIFFNESS, ELEMENTS = 0.02, 1e6, 4
@@ -89,6 +90,7 @@ def looked_for(
     return [line[zone] for zone in zones], forces, float(delta.max())
 
 
+@pytest.mark.filterwarnings("ignore:bodies overlap at the start")
 def test_no_zone_of_sixty_pairs_is_missed(record):
     rng = np.random.default_rng(4)
     wrong, zones, pairs, worst = 0, 0, 0, 0.0

@@ -103,6 +103,19 @@ impl Shape {
         }
     }
 
+    /// How deep inside of it its middle lies [m]: infinitely deep where it has no other side. What triangles enclose is
+    /// not known; they count as a skin.
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        match *self {
+            Self::HalfSpace | Self::Bore(_) => f64::INFINITY,
+            Self::Ball { radius } | Self::Capsule { radius, .. } => radius,
+            Self::Cylinder { radius, half } => radius.min(half),
+            Self::Box { half } => half.into_iter().fold(f64::INFINITY, f64::min),
+            Self::Mesh(_) => 0.0,
+        }
+    }
+
     /// Half of the edges of its box in its own frame; infinite for the half-space and what is around a bore.
     #[must_use]
     pub fn half_extent(&self) -> [f64; 3] {

@@ -131,6 +131,18 @@ pub enum Error {
         .0.t, .0.h, .0.iterations, .0.name, .0.increments
     )]
     NotConverged(Box<Failure>),
+    /// The search for an equilibrium was held up by bodies that do not pass through each other.
+    #[error(
+        "at t = {} no equilibrium was found on this side of what is in the way after {} iterations: {what} \
+         (increments {:?}); take more load steps, or let the model come to rest in a simulation and start from there",
+        .failure.t, .failure.iterations, .failure.increments
+    )]
+    Barred {
+        /// Where the iteration stood.
+        failure: Box<Failure>,
+        /// What would have passed through what.
+        what: String,
+    },
     /// No step is short enough for the accuracy asked for.
     #[error(
         "at t = {} a step of {:.3e} s still errs by {:.3e} times the tolerance, most in {}: the motion jumps there \
@@ -183,6 +195,7 @@ impl Error {
     pub fn is_recoverable(&self) -> bool {
         match self {
             Self::NotConverged(_)
+            | Self::Barred { .. }
             | Self::NotFinite(_)
             | Self::Singular { .. }
             | Self::Unstable { .. } => true,

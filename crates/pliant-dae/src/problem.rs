@@ -143,6 +143,14 @@ pub trait Problem: Send {
         Ok(())
     }
 
+    /// Part of an increment from `q`, at most 1, that a search for equilibria may go, and what is in its way beyond. A
+    /// motion takes it there, or not at all: bodies do not pass through each other, and iterates that jump over one
+    /// never feel it.
+    fn way(&mut self, q: &[f64], increment: &[f64]) -> (f64, Option<String>) {
+        let _ = (q, increment);
+        (1.0, None)
+    }
+
     /// Whether [`Self::predicted_tangent`] differs from [`Self::tangent`].
     fn predicts(&self) -> bool {
         false

@@ -155,6 +155,8 @@ struct Search<'a, P: ?Sized> {
     force_scale: f64,
     zero: Vec<f64>,
     values: Vec<f64>,
+    /// What was in the way of the last increment.
+    barrier: Option<String>,
 }
 
 /// Where the iteration stands, and how far it moved since the flow's last step.
@@ -199,6 +201,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             force_scale: 1.0,
             zero: vec![0.0; n],
             values: vec![0.0; problem.structure().values()],
+            barrier: None,
             problem,
             solver,
             options,
@@ -302,11 +305,16 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             increments.push(size);
             let noise = size > 0.5 * previous && size <= NOISE * self.options.tolerance;
             if size <= goal.tolerance || noise {
-                self.add(place, &dx, 1.0);
+                let part = self.part(&place.q, &dx, 1.0);
+                self.add(place, &dx, part);
                 let iterations = increments.len();
                 return Ok(Outcome::Equilibrium { last_increment: size, iterations });
             }
-            let longest = (self.options.max_increment / size).min(1.0);
+            let longest = self.part(&place.q, &dx, (self.options.max_increment / size).min(1.0));
+            if longest == 0.0 {
+                let failure = self.failure(load, step, &increments, worst_unknown);
+                return Ok(Outcome::Failed(failure));
+            }
             damping = (4.0 * damping).min(longest);
             loop {
                 trial.clone_from(place);
@@ -408,6 +416,14 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         }
     }
 
+    /// At most this part of an increment: as much as nothing is in the way of.
+    fn part(&mut self, q: &[f64], dx: &[f64], part: f64) -> f64 {
+        let dq: Vec<f64> = dx[..self.zero.len()].iter().map(|d| part * d).collect();
+        let (free, barrier) = self.problem.way(q, &dq);
+        self.barrier = barrier;
+        part * free
+    }
+
     /// Chooses the scale of forces from the entries of the stiffness matrix.
     fn measure_forces(&mut self, load: f64, q: &[f64], lambda_: &[f64]) {
         let stiffness = self.largest_value(load, q, lambda_, WEIGHTS_STIFFNESS);
@@ -455,7 +471,11 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
     }
 
     fn failure(&self, load: f64, step: f64, increments: &[f64], unknown: usize) -> Error {
-        Error::NotConverged(Box::new(self.describe(load, step, increments, unknown)))
+        let failure = Box::new(self.describe(load, step, increments, unknown));
+        match &self.barrier {
+            Some(what) => Error::Barred { failure, what: what.clone() },
+            None => Error::NotConverged(failure),
+        }
     }
 
     fn describe(&self, load: f64, step: f64, increments: &[f64], unknown: usize) -> Failure {

@@ -120,6 +120,33 @@ fn what_floats_free_is_named() {
 }
 
 #[test]
+fn a_search_does_not_go_through_what_is_in_its_way() {
+    // A shallow truss that hangs, and is pulled down by its apex: it stiffens.
+    let pulled = |floor: Option<f64>| {
+        let mut truss = Truss::new(vec![[-1.0, 0.0], [1.0, 0.0], [0.0, -0.1]], 1e5);
+        truss.fix(0);
+        truss.fix(1);
+        truss.bar(0, 2);
+        truss.bar(1, 2);
+        truss.load(2, [0.0, -2e3]);
+        truss.floor = floor;
+        solve(&mut truss, &StaticOptions::default())
+    };
+    let free = pulled(None).unwrap().pop().unwrap();
+    let depth = free.q[5];
+    assert!(depth < -0.2, "{depth}");
+    // Newton's first increment goes deeper than the equilibrium: a floor between the two only shortens it.
+    let low = pulled(Some(depth - 0.01)).unwrap().pop().unwrap();
+    assert!((low.q[5] - depth).abs() < 1e-12, "{} {depth}", low.q[5]);
+    assert!(low.iterations > 1);
+    // One above it bars the way, and is named.
+    let error = pulled(Some(depth + 0.05)).unwrap_err();
+    let Error::Barred { failure, what } = &error else { panic!("{error}") };
+    assert_eq!(what, "the floor");
+    assert!(failure.iterations > 0 && error.to_string().contains("the floor"));
+}
+
+#[test]
 fn polls_stop_the_search() {
     let mut truss = Truss::new(vec![[0.0, 0.0], [1.0, 0.0]], 1e3);
     truss.fix(0);

@@ -1,5 +1,6 @@
 //! Equilibria and modes of a model.
 
+use crate::contact_coupling::way::Overlap;
 use crate::memory::Memory;
 use crate::model::Model;
 use crate::run::Records;
@@ -205,6 +206,16 @@ pub fn redundant(model: &Arc<Model>) -> Vec<(String, usize, Vec<String>)> {
         }
     }
     found
+}
+
+/// Part of the half thickness of the thinner one by which two may overlap at the start: more is no penetration that
+/// forces would make, nor what is left where a bent line is laid out by hand.
+const OVERLAP: f64 = 0.75;
+
+/// Contacts whose sides overlap by much at coordinates `q`; none: those of the model.
+#[must_use]
+pub fn overlaps(model: &Model, q: Option<&[f64]>) -> Vec<Overlap> {
+    model.contacts.overlaps(q.unwrap_or(&model.initial_q), OVERLAP)
 }
 
 /// Goes back to what was remembered before a search, whose equilibria are gone through again, one after the other.

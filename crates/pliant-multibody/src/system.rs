@@ -719,6 +719,10 @@ impl Problem for System {
         self.judge_contact(before, after, part)
     }
 
+    fn way(&mut self, q: &[f64], increment: &[f64]) -> (f64, Option<String>) {
+        self.way_of_contact(q, increment)
+    }
+
     fn constraint_acceleration(&mut self, at: Point<'_>, out: &mut [f64]) {
         self.refresh_rates(at.t);
         let mut v = std::mem::take(&mut self.scratch.phi);

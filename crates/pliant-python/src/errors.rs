@@ -34,7 +34,9 @@ pub fn solve_error(py: Python<'_>, error: &Error) -> PyErr {
 fn details<'py>(py: Python<'py>, error: &Error) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     match error {
-        Error::NotConverged(failure) | Error::NotFinite(failure) => {
+        Error::NotConverged(failure)
+        | Error::NotFinite(failure)
+        | Error::Barred { failure, .. } => {
             dict.set_item("time", failure.t)?;
             dict.set_item("step", failure.h)?;
             dict.set_item("iterations", failure.iterations)?;

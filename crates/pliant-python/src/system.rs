@@ -281,6 +281,18 @@ impl PySystem {
         py.detach(|| solve::redundant(&self.model))
     }
 
+    /// Contacts whose sides overlap by much: name, depth [m], half the thickness of the thinner side [m].
+    #[pyo3(signature = (q=None))]
+    fn overlaps(
+        &self,
+        py: Python<'_>,
+        q: Option<PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<Vec<(String, f64, f64)>> {
+        let q = q.map(|q| Ok::<_, PyErr>(q.as_slice()?.to_vec())).transpose()?;
+        let found = py.detach(|| solve::overlaps(&self.model, q.as_deref()));
+        Ok(found.into_iter().map(|o| (o.contact, o.depth, o.thinner)).collect())
+    }
+
     fn joint_outputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         use numpy::PyArrayMethods;
         let joints = self.model.joint_outputs();

@@ -53,7 +53,8 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let mut dx = vec![0.0; n + place.lambda_.len()];
         dx[..n].copy_from_slice(x);
         let side = if dot(&favoured, x) < 0.0 { -1.0 } else { 1.0 };
-        let mut size = side * PUSH / weighted_max(x, &self.inverse_scale);
+        let size = side * PUSH / weighted_max(x, &self.inverse_scale);
+        let mut size = self.part(&place.q, x, size);
         for _ in 0..HALVINGS {
             let mut trial = place.clone();
             self.add(&mut trial, &dx, size);

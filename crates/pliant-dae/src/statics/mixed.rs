@@ -56,7 +56,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             worst_unknown = worst(&dx[..n], &self.inverse_scale);
             let previous = increments.last().copied().unwrap_or(f64::INFINITY);
             increments.push(size);
-            let part = (self.options.max_increment / size).min(1.0);
+            let part = self.part(&place.q, &dx, (self.options.max_increment / size).min(1.0));
             self.add(place, &dx, part);
             let noise = size > 0.5 * previous && size <= NOISE * self.options.tolerance;
             if size <= goal.tolerance || noise {

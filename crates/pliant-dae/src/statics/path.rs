@@ -329,6 +329,9 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let n = self.zero.len();
         let mut place = from.clone();
         place.moved.fill(0.0);
+        if self.part(&place.q, tangent, length) != length {
+            return Err(self.failure(load, length, &[], 0));
+        }
         self.add(&mut place, tangent, length);
         let mut now = load + length * rate;
         let mut sizes: Vec<f64> = Vec::new();
@@ -346,7 +349,9 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             let previous = sizes.last().copied().unwrap_or(f64::INFINITY);
             sizes.push(size);
             let absurd = !size.is_finite() || size > self.options.max_increment;
-            if absurd || sizes.len() > 3 && size > previous && size > NOISE * self.options.tolerance
+            if absurd
+                || sizes.len() > 3 && size > previous && size > NOISE * self.options.tolerance
+                || self.part(&place.q, &step, 1.0) < 1.0
             {
                 break;
             }

@@ -187,6 +187,8 @@ pub struct Truss {
     pub strings: bool,
     /// Whether the integrator is told.
     pub tells_kinks: bool,
+    /// Height below which a search for equilibria takes no node.
+    pub floor: Option<f64>,
 }
 
 impl Truss {
@@ -205,6 +207,7 @@ impl Truss {
             ones: Vec::new(),
             cubic: 0.0,
             strings: false,
+            floor: None,
             tells_kinks: false,
         };
         truss.build();
@@ -284,6 +287,17 @@ impl Problem for Truss {
     }
     fn has_damping(&self) -> bool {
         false
+    }
+    fn way(&mut self, q: &[f64], increment: &[f64]) -> (f64, Option<String>) {
+        let Some(floor) = self.floor else { return (1.0, None) };
+        let parts = q
+            .iter()
+            .zip(increment)
+            .skip(1)
+            .step_by(2)
+            .map(|(y, d)| if y + d < floor { (floor - y) / d } else { 1.0 });
+        let part = parts.fold(1.0, f64::min);
+        (part, (part < 1.0).then(|| "the floor".to_owned()))
     }
     fn residual(
         &mut self,

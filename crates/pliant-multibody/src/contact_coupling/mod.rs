@@ -9,6 +9,7 @@ mod passing;
 mod report;
 pub mod run;
 mod turning;
+pub mod way;
 
 use crate::document::Arrays;
 use crate::dof_map::DofMap;

@@ -87,6 +87,11 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// Whether the two were not further apart than that.
+    pub(super) fn is_within(&self, distance: f64) -> bool {
+        self.clearance <= distance
+    }
+
     /// Whether the two meet in a corner and touch nowhere else.
     pub(super) fn parts(&self, contacts: &Contacts, q: &[f64]) -> bool {
         let contact = &contacts.list[self.contact];
@@ -183,7 +188,7 @@ fn hull(piece: &Piece, margin: f64) -> Box3 {
 }
 
 /// Pairs whose boxes, grown by half the margin, meet; sorted.
-fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<Candidate> {
+pub(super) fn candidates(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<Candidate> {
     let clearance = |&(contact, slave, master): &(usize, usize, usize)| {
         let this = &contacts.list[contact];
         let piece = contacts.lines[this.slave][slave].piece(q);

@@ -113,7 +113,8 @@ impl Found {
 }
 
 impl Facing {
-    fn find(&self, number: usize, q: &[f64], out: &mut Vec<Touch>) {
+    /// Adds all its probes in contact with a shape at `q`.
+    pub(crate) fn find(&self, number: usize, q: &[f64], out: &mut Vec<Touch>) {
         let Some((master, shape)) = self.master.shape(q) else { return };
         let moves = self.master.moves();
         let mut add = |part: usize, blend, mark, probe: Probe, gap: f64| {

@@ -71,6 +71,16 @@ impl Side {
         !matches!(self, Self::Rest(..))
     }
 
+    /// How deep inside of it its middle lies [m].
+    fn depth(&self) -> f64 {
+        match self {
+            Self::Sheet(faces) => faces.iter().map(|f| f.radius).fold(f64::INFINITY, f64::min),
+            Self::Line(line) => line.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min),
+            Self::Mass(_, radius) => *radius,
+            Self::Rigid(_, shape) | Self::Rest(_, shape) => shape.depth(),
+        }
+    }
+
     /// Coordinates of the vectors of each part: a face, an element, or the whole.
     fn parts(&self) -> Vec<Vec<usize>> {
         match self {
@@ -171,6 +181,8 @@ impl Own {
 /// A contact.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
+    /// Name for messages.
+    pub name: String,
     pub laws: Laws,
     /// Length by which its bristles and zones are measured [m].
     pub size: f64,
@@ -220,7 +232,7 @@ impl Probes {
                 }
             }
             this.radius = this.radius.max(contact.size);
-            this.contacts.push(Contact { laws, size: contact.size });
+            this.contacts.push(Contact { name: contact.name.clone(), laws, size: contact.size });
             let of_surface = |side: &SideSpec| match side {
                 SideSpec::Surface { surface } => Some(*surface),
                 _ => None,
@@ -405,6 +417,69 @@ impl Facing {
                 radius > self.size
             }
             _ => false,
+        }
+    }
+
+    /// How deep the two are in each other where their middles meet [m]; infinite before a surface, which is not passed
+    /// through.
+    pub(crate) fn middle(&self) -> f64 {
+        if self.skin.is_some() {
+            return f64::INFINITY;
+        }
+        self.slave.depth() + self.master.depth()
+    }
+
+    /// Half of the thickness of the thinner one [m].
+    pub(crate) fn thinner(&self) -> f64 {
+        self.slave.depth().min(self.master.depth())
+    }
+
+    /// A bound of how far any two points of both sides have moved against each other, halved [m].
+    pub(crate) fn moved(&self, from: &[f64], to: &[f64]) -> f64 {
+        let change = |o: usize| -> f64 {
+            (0..3).map(|c| (to[o + c] - from[o + c]).powi(2)).sum::<f64>().sqrt()
+        };
+        let of = |side: &Side| match side {
+            Side::Sheet(faces) => faces.iter().map(|face| face.moved(change)).fold(0.0, f64::max),
+            Side::Line(line) => {
+                let of = |s: &Segment| {
+                    let [r, t, r_2, t_2] = s.offsets.map(change);
+                    r.max(r_2) + s.length / 3.0 * t.max(t_2)
+                };
+                line.iter().map(of).fold(0.0, f64::max)
+            }
+            Side::Mass(terms, _) => terms.iter().map(|&(o, w)| w.abs() * change(o)).sum(),
+            Side::Rigid(first, shape) => {
+                let [r, axes @ ..] = vectors_of(*first).map(change);
+                let arms = axes.iter().zip(shape.half_extent());
+                // What is infinite does not turn, or is not asked for.
+                r + arms.filter(|(d, _)| **d > 0.0).map(|(d, half)| d * half).sum::<f64>()
+            }
+            Side::Rest(..) => 0.0,
+        };
+        0.5 * (of(&self.slave) + of(&self.master))
+    }
+
+    /// Whether the two may touch where each moves by at most `moved`.
+    pub(crate) fn may_meet(&self, q: &[f64], moved: f64) -> bool {
+        let Some((master, shape)) = self.master.shape(q) else { return false };
+        let within = |place: Vector3<f64>, reach: f64| {
+            shape.distance(master.local(place)).value <= reach + 2.0 * moved
+        };
+        match &self.slave {
+            Side::Sheet(faces) => faces.iter().any(|face| {
+                let (middle, reach) = face.ball(q);
+                within(middle, reach + face.radius)
+            }),
+            Side::Line(line) => line.iter().any(|segment| {
+                let piece = segment.piece(q);
+                within(piece.at(0.5), 0.5 * piece.speed_bound() + segment.radius)
+            }),
+            Side::Mass(..) => true,
+            Side::Rigid(..) | Side::Rest(..) => self.slave.shape(q).is_some_and(|(pose, own)| {
+                let reach = own.half_extent().map(|x| x * x).iter().sum::<f64>().sqrt();
+                within(pose.origin, reach)
+            }),
         }
     }
 

@@ -105,6 +105,20 @@ impl Face {
         (middle, total * farthest + rest)
     }
 
+    /// A bound of how far a probe has moved, by how far each nodal vector has.
+    pub(crate) fn moved(&self, change: impl Fn(usize) -> f64) -> f64 {
+        let (total, most) = &self.reach;
+        let (mut farthest, mut rest) = (0.0_f64, 0.0);
+        for (k, &o) in self.offsets.iter().enumerate() {
+            if k % self.vectors == 0 {
+                farthest = farthest.max(change(o));
+            } else {
+                rest += most[k] * change(o);
+            }
+        }
+        total * farthest + rest
+    }
+
     /// Where a probe is.
     pub(crate) fn probe(&self, number: usize, q: &[f64]) -> Vector3<f64> {
         let terms = self.offsets.iter().zip(&self.rule[number].0);

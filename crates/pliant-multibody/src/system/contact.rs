@@ -86,6 +86,17 @@ impl System {
         }
     }
 
+    /// How far an increment may go before bodies are pressed through each other.
+    pub(super) fn way_of_contact(&mut self, q: &[f64], increment: &[f64]) -> (f64, Option<String>) {
+        if self.model.contacts.is_empty() {
+            return (1.0, None);
+        }
+        let Self { model, search, .. } = self;
+        let (part, contact) = search.way(&model.contacts, q, increment);
+        let what = |name| format!("in contact '{name}' one body would pass through the other");
+        (part, contact.map(what))
+    }
+
     /// Refuses a step in which lines passed through each other, or contact made energy.
     pub(super) fn judge_contact(
         &mut self,
