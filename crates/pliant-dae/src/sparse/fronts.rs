@@ -221,8 +221,9 @@ impl Fronts {
 
     /// Eliminates the columns of a block from its front, and leaves its update to its parent.
     fn eliminate(&mut self, s: usize) -> Result<(), Failed> {
-        let Self { blocks, factors, reciprocals, updates, pivots, inverse, memory, scratch, .. } =
-            self;
+        let Self {
+            blocks, factors, reciprocals, updates, pivots, inverse, memory, scratch, ..
+        } = self;
         let block = &blocks[s];
         let (c, b, height) = (block.columns, block.below.len(), block.height());
         let (lower, upper) = block.split(factors);
