@@ -4,6 +4,7 @@
 use crate::bore::Bore;
 use crate::meshes::Mesh;
 use nalgebra::{Matrix3, Vector3};
+use std::borrow::Cow;
 
 /// A shape in its own frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,6 +104,16 @@ impl Shape {
         }
     }
 
+    /// Whether it is a convex body: then the signed distance is a convex function.
+    #[must_use]
+    pub fn is_convex(&self) -> bool {
+        match *self {
+            Self::Mesh(ref mesh) => mesh.is_convex(),
+            Self::Bore(_) => false,
+            _ => true,
+        }
+    }
+
     /// Half of the edges of its box in its own frame; infinite for the half-space and what is around a bore.
     #[must_use]
     pub fn half_extent(&self) -> [f64; 3] {
@@ -150,6 +161,18 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// As much of it as matters to points within `reach` of `q`, which has the same distances there.
+    #[must_use]
+    pub fn near(&self, q: Vector3<f64>, reach: f64) -> Cow<'_, Self> {
+        match self.shape {
+            Shape::Bore(ref bore) => {
+                let near = bore.near(self.axes.transpose() * (q - self.origin), reach);
+                Cow::Owned(Self { shape: Shape::Bore(near), origin: self.origin, axes: self.axes })
+            }
+            _ => Cow::Borrowed(self),
+        }
+    }
+
     /// Signed distance of a point of the world.
     #[must_use]
     pub fn distance(&self, q: Vector3<f64>) -> Distance {
