@@ -298,6 +298,39 @@ pub(crate) mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn a_part_of_it_is_as_far_as_all_of_it(
+            middle in prop::array::uniform3(-0.5..1.5_f64), reach in 0.0..0.4_f64,
+            offsets in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 20),
+        ) {
+            let (bore, middle) = (quarter().0, Vector3::from(middle));
+            let near = bore.near(middle, reach);
+            for offset in offsets.into_iter().map(Vector3::from) {
+                let q = middle + offset * (reach / offset.norm().max(1.0));
+                let (all, part) = (bore.distance(q), near.distance(q));
+                // Rounding; where two feet are as near the normals may differ.
+                prop_assert!((all.value - part.value).abs() < 1e-14, "{all:?} {part:?}");
+                if all.value > -bore.reach() {
+                    prop_assert!((all.normal - part.normal).norm() < 1e-9, "{all:?} {part:?}");
+                }
+            }
+            prop_assert!(near.near.len() <= bore.near.len());
+        }
+    }
+
+    #[test]
+    fn a_ball_in_it_needs_few_pieces() {
+        let (bore, _) = quarter();
+        let (at, _) = line(0.6);
+        let near = bore.near(at, 0.02);
+        assert!(near.near.len() < 6, "{:?}", near.near);
+        // A quarter of a circle of half a metre; cubic pieces of a sixteenth of it bend a per mille more.
+        let kappa = near.curvature_bound().unwrap();
+        assert!((2.0..2.2).contains(&kappa), "{kappa}");
+        assert!(bore.curvature_bound().is_none());
+    }
+
     #[test]
     fn a_line_too_sharp_for_its_radius_is_none() {
         let t = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];

@@ -180,6 +180,22 @@ mod tests {
     }
 
     #[test]
+    fn only_hulls_are_convex() {
+        assert!(cube().is_convex());
+        // A tetrahedron, and the same with its face z = 0 pushed in, or open.
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        assert!(Mesh::new(&points, &faces).unwrap().is_convex());
+        assert!(!Mesh::new(&points, &faces[..3]).unwrap().is_convex());
+        let dented: Vec<[f64; 3]> = points.into_iter().chain([[0.2, 0.2, 0.1]]).collect();
+        let faces = [[0, 2, 4], [2, 1, 4], [1, 0, 4], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        assert!(!Mesh::new(&dented, &faces).unwrap().is_convex());
+        // Turned inside out its inside is all around.
+        let faces = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+        assert!(!Mesh::new(&points, &faces).unwrap().is_convex());
+    }
+
+    #[test]
     fn beside_a_rim_there_is_no_inside() {
         let sheet = Mesh::new(
             &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],

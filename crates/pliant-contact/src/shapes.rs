@@ -92,6 +92,19 @@ impl Shape {
         }
     }
 
+    /// Signed distance of `q` alone.
+    #[must_use]
+    pub fn value(&self, q: Vector3<f64>) -> f64 {
+        match *self {
+            Self::HalfSpace => q.z,
+            Self::Ball { radius } => q.norm() - radius,
+            Self::Capsule { radius, half } => {
+                Vector3::new(q.x, q.y, q.z - q.z.clamp(-half, half)).norm() - radius
+            }
+            _ => self.distance(q).value,
+        }
+    }
+
     /// How far outside of its surface, less than zero for inside, the distance has its kinks: infinitely far inside a
     /// plane.
     #[must_use]
@@ -135,15 +148,15 @@ fn corner(
     normal: impl Fn(usize) -> Vector3<f64>,
     hessian: impl Fn(usize) -> Matrix3<f64>,
 ) -> Distance {
-    let out: Vec<usize> = (0..3).filter(|&k| excess[k] > 0.0).collect();
-    if let [] | [_] = out[..] {
+    let out = || (0..3).filter(|&k| excess[k] > 0.0);
+    if out().count() < 2 {
         let k = excess.imax();
         return Distance { value: excess[k], normal: normal(k), hessian: hessian(k) };
     }
-    let d: Vector3<f64> = out.iter().map(|&k| normal(k) * excess[k]).sum();
-    let space: Matrix3<f64> = out.iter().map(|&k| normal(k) * normal(k).transpose()).sum();
+    let d: Vector3<f64> = out().map(|k| normal(k) * excess[k]).sum();
+    let space: Matrix3<f64> = out().map(|k| normal(k) * normal(k).transpose()).sum();
     let mut distance = round(d, space, 0.0);
-    for &k in &out {
+    for k in out() {
         distance.hessian += hessian(k) * (excess[k] / distance.value);
     }
     distance
@@ -171,6 +184,19 @@ impl Placed {
             }
             _ => Cow::Borrowed(self),
         }
+    }
+
+    /// Signed distance of a point of the world alone.
+    #[must_use]
+    pub fn value(&self, q: Vector3<f64>) -> f64 {
+        self.shape.value(self.axes.transpose() * (q - self.origin))
+    }
+
+    /// Signed distance of a point of the world and its gradient.
+    #[must_use]
+    pub fn value_and_normal(&self, q: Vector3<f64>) -> (f64, Vector3<f64>) {
+        let own = self.shape.distance(self.axes.transpose() * (q - self.origin));
+        (own.value, self.axes * own.normal)
     }
 
     /// Signed distance of a point of the world.

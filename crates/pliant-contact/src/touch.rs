@@ -2,7 +2,7 @@
 
 use crate::curve::{Piece, sign_changes};
 use crate::point::{Blocks, Laws, Motion, Place, Slide, Verge};
-use crate::shapes::{Distance, Placed, Shape};
+use crate::shapes::{Placed, Shape};
 use crate::zones::{Bounds, Convexity, POINTS, Sample, Spot, Stretch, least, zones};
 use nalgebra::{Matrix3, Vector3};
 
@@ -176,7 +176,7 @@ impl Master<'_> {
     pub fn gap(&self, slave: &Piece, xi: f64) -> f64 {
         let q = slave.at(xi);
         match self {
-            Self::Shape(shape) => shape.distance(q).value - slave.radius(),
+            Self::Shape(shape) => shape.value(q) - slave.radius(),
             Self::Line(master, _) => {
                 (master.at(master.nearest(q)) - q).norm() - slave.radius() - master.radius()
             }
@@ -189,7 +189,7 @@ impl Master<'_> {
         let master = match self {
             Self::Line(master, _) => master,
             Self::Shape(shape) => {
-                let Distance { value, normal, .. } = shape.distance(q);
+                let (value, normal) = shape.value_and_normal(q);
                 let slope = normal.dot(&slave.slope(xi));
                 return Sample { xi, gap: value - slave.radius(), slope };
             }
@@ -216,7 +216,7 @@ impl Master<'_> {
         let q = slave.at(0.5);
         let half = 0.5 * slave.speed_bound() + slave.radius();
         match self {
-            Self::Shape(shape) => shape.distance(q).value - half,
+            Self::Shape(shape) => shape.value(q) - half,
             Self::Line(master, _) => {
                 let reach = half + 0.5 * master.speed_bound() + master.radius();
                 (master.at(0.5) - q).norm() - reach
@@ -226,36 +226,23 @@ impl Master<'_> {
 
     /// How far from convex the gap is between two places: before a line that bends little beside their distance, and
     /// before a convex body. Within a bore it is the gap's opposite.
-    fn convexity(&self, slave: &Piece, ends: &[Sample; 2]) -> Option<Convexity> {
-        let speed = slave.speed_bound();
-        let (kappa, reach, least, sign) = match self {
+    fn convexity(&self, slave: &Piece, [a, b]: &[Sample; 2]) -> Option<Convexity> {
+        let r = slave.radius();
+        match self {
             Self::Line(master, _) => {
-                let (r, s) = (slave.radius(), master.radius());
-                (master.curvature_bound()?, r + s, r.min(s), 1.0)
+                let s = master.radius();
+                Convexity::before(master.curvature_bound()?, (r + s, r.min(s)), slave, [a, b])
             }
-            Self::Shape(shape) => match &shape.shape {
-                Shape::Bore(bore) => {
-                    let reach = bore.radius() - slave.radius();
-                    (bore.curvature_bound()?, reach, slave.radius(), -1.0)
-                }
-                body if body.is_convex() => {
-                    return Some(Convexity {
-                        sag: slave.bend_bound(),
-                        reach: slave.radius() + body.reach(),
-                        floor: 1e-3 * slave.radius() / speed,
-                    });
-                }
-                _ => return None,
-            },
-        };
-        let [a, b] = ends;
-        let farthest = reach + 0.5 * (sign * (a.gap + b.gap) + speed * (b.xi - a.xi));
-        let rest = 1.0 - kappa * farthest;
-        (rest > STRAIGHT).then(|| Convexity {
-            sag: speed * speed * kappa / rest + slave.bend_bound(),
-            reach,
-            floor: 1e-3 * least / speed,
-        })
+            Self::Shape(Placed { shape: Shape::Bore(bore), .. }) => {
+                let ends = [&a.opposite(), &b.opposite()];
+                Convexity::before(bore.curvature_bound()?, (bore.radius() - r, r), slave, ends)
+            }
+            Self::Shape(Placed { shape, .. }) => shape.is_convex().then(|| Convexity {
+                sag: slave.bend_bound(),
+                reach: r + shape.reach(),
+                floor: 1e-3 * r / slave.speed_bound(),
+            }),
+        }
     }
 
     /// Zones in a part of the slave, wherever the feet are.
@@ -342,7 +329,7 @@ impl Master<'_> {
         Stretch::of(slave, zone, |xi| {
             let q = slave.at(xi);
             let normal = match self {
-                Self::Shape(shape) => shape.distance(q).normal,
+                Self::Shape(shape) => shape.value_and_normal(q).1,
                 Self::Line(master, _) => q - master.at(master.nearest(q)),
             };
             normal.dot(&slave.slope(xi))
@@ -488,8 +475,6 @@ impl Master<'_> {
     }
 }
 
-/// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
-const STRAIGHT: f64 = 0.2;
 /// See [`Master::shift`], in radii of the slave: far above rounding, far below what is seen.
 const SHIFT: f64 = 1e-7;
 /// Gap at the end of a zone, in radii, that is zero but for rounding.

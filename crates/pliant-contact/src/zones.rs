@@ -174,6 +174,14 @@ pub struct Sample {
     pub slope: f64,
 }
 
+impl Sample {
+    /// That of the gap's opposite.
+    #[must_use]
+    pub fn opposite(&self) -> Self {
+        Self { gap: -self.gap, slope: -self.slope, ..*self }
+    }
+}
+
 /// What bounds the gap along a slave piece before a line that bends little or a convex body: there it is convex but for
 /// `sag`.
 ///
@@ -192,10 +200,31 @@ pub struct Convexity {
     pub floor: f64,
 }
 
+/// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
+const STRAIGHT: f64 = 0.2;
 /// Newton's increments, by xi, below which the next one is rounding.
 const CONVERGED: f64 = 1e-9;
 
 impl Convexity {
+    /// That of a slave before a set whose every point nearer than `1/kappa` has one foot, between places where the distance
+    /// exceeds `reach` by their gaps; none where it may come near `1/kappa`. `least` is the smaller radius [m].
+    #[must_use]
+    pub fn before(
+        kappa: f64,
+        (reach, least): (f64, f64),
+        slave: &Piece,
+        [a, b]: [&Sample; 2],
+    ) -> Option<Self> {
+        let speed = slave.speed_bound();
+        let farthest = reach + 0.5 * (a.gap + b.gap + speed * (b.xi - a.xi));
+        let rest = 1.0 - kappa * farthest;
+        (rest > STRAIGHT).then(|| Self {
+            sag: speed * speed * kappa / rest + slave.bend_bound(),
+            reach,
+            floor: 1e-3 * least / speed,
+        })
+    }
+
     /// How far g may leave convexity between two places.
     fn slack(&self, a: &Sample, b: &Sample) -> f64 {
         0.125 * self.sag * (b.xi - a.xi).powi(2)
@@ -274,9 +303,8 @@ impl Convexity {
         b: &Sample,
         found: &mut Vec<(f64, f64)>,
     ) {
-        let turned = |s: Sample| Sample { gap: -s.gap, slope: -s.slope, ..s };
         let mut free = Vec::new();
-        self.zones(&mut |xi| turned(gap(xi)), &turned(*a), &turned(*b), &mut free);
+        self.zones(&mut |xi| gap(xi).opposite(), &a.opposite(), &b.opposite(), &mut free);
         let mut from = a.xi;
         for (start, end) in free.into_iter().chain([(b.xi, b.xi)]) {
             if start > from {
