@@ -363,7 +363,7 @@ impl LinearSolver for Sparse {
     fn factor_cost(&self) -> f64 {
         match &self.regular {
             Regular::Ldlt(_) => 10.0,
-            Regular::Fronts(_) => 15.0,
+            Regular::Fronts(_) => 8.0,
         }
     }
 

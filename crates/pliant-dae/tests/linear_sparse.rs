@@ -10,6 +10,8 @@ use pliant_dae::linear_solver::{FactorError, LinearSolver, Options, analyze};
 
 const DENSE: Options = Options { condense: false, parallel: false, dense_limit: usize::MAX };
 const SPARSE: Options = Options { condense: false, parallel: false, dense_limit: 0 };
+/// Residual of corrections by factors in single precision.
+const ROUGH: f64 = 1e-4;
 
 fn check(system: &System, options: Options, tolerance: f64) -> Box<dyn LinearSolver> {
     let mut solver = analyze(&system.structure, options).unwrap();
@@ -25,6 +27,11 @@ fn check(system: &System, options: Options, tolerance: f64) -> Box<dyn LinearSol
         let r = residual(system, &x, &b, transposed);
         assert!(r < tolerance, "{}: residual {r}", solver.describe());
     }
+    let (_, b) = right_side(system, 3, false);
+    let mut x = b.clone();
+    solver.correct(&mut x);
+    let r = residual(system, &x, &b, false);
+    assert!(r < f64::max(tolerance, ROUGH), "{}: residual of a correction {r}", solver.describe());
     solver
 }
 

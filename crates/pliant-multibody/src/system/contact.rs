@@ -18,7 +18,7 @@ const REST: f64 = 0.01;
 /// Step, in units of a radian of the contact's own motion, that resolves it.
 const RESOLVED: f64 = 0.02;
 /// Sizes of the model by which nothing moves within a step, and change of slopes.
-const WILD: f64 = 1e3;
+const WILD: f64 = 10.0;
 /// Part of the nominal step below which none is cut any more for what the balance leaves out.
 const SMALLEST: f64 = 1.0 / 128.0;
 
