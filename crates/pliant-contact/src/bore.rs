@@ -124,7 +124,7 @@ impl Bore {
         let reach = (1.0 / sharpest - radius).min(radius);
         let near = (0..n).collect();
         let line = Arc::new(Line::new(pieces));
-        (reach > 0.0).then(|| Self { line, radius, reach, near, beyond: [true; 2] })
+        (reach > 0.0).then_some(Self { line, radius, reach, near, beyond: [true; 2] })
     }
 
     /// How far outside of the wall the distance has its kinks [m].
