@@ -103,6 +103,14 @@ impl Piece {
         [a, a + t * third, b - u * third, b]
     }
 
+    /// Control points of the part between two xi.
+    #[must_use]
+    pub fn part(&self, a: f64, b: f64) -> [Vector3<f64>; 4] {
+        let third = (b - a) / 3.0;
+        let (first, last) = (self.at(a), self.at(b));
+        [first, first + self.slope(a) * third, last - self.slope(b) * third, last]
+    }
+
     /// Bound of `|dr/dxi|`.
     #[must_use]
     pub fn speed_bound(&self) -> f64 {

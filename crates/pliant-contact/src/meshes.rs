@@ -18,6 +18,7 @@ pub struct Mesh {
     /// Whether a vertex lies on the rim, and for each triangle whether its sides do.
     rim: Arc<(Vec<bool>, Vec<[bool; 3]>)>,
     half: [f64; 3],
+    convex: bool,
 }
 
 impl PartialEq for Mesh {
@@ -34,6 +35,26 @@ impl std::fmt::Debug for Mesh {
 
 fn vector(v: Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
+}
+
+/// Products of triangles and vertices up to which a mesh is asked whether it is convex: some tenths of a second.
+const ASKED: usize = 1 << 28;
+/// Height over a face, in half extents, that is rounding.
+const FLAT: f64 = 1e-13;
+
+/// Whether no vertex of a closed mesh is above any of its faces, but for rounding of coordinates up to `size`.
+fn is_convex(tree: &TriMesh, size: f64) -> bool {
+    let (vertices, triangles) = (tree.vertices(), tree.indices());
+    let asked = vertices.len().saturating_mul(triangles.len()) <= ASKED;
+    asked
+        && triangles.iter().all(|t| {
+            let [a, b, c] = t.map(|k| vector(vertices[k as usize]));
+            let (u, w) = (b - a, c - a);
+            let n = u.cross(&w);
+            // Rounding of the normal is that of a product of both sides.
+            let slack = FLAT * size * (n.norm() + u.norm() * w.norm());
+            vertices.iter().all(|&v| n.dot(&(vector(v) - a)) <= slack)
+        })
 }
 
 impl Mesh {
@@ -66,7 +87,15 @@ impl Mesh {
             edges.push(open);
         }
         let half = [0, 1, 2].map(|k| points.iter().fold(0.0, |m, p| f64::max(m, p[k].abs())));
-        Some(Self { tree: Arc::new(tree), rim: Arc::new((vertex, edges)), half })
+        let closed = uses.values().all(|&count| count == 2);
+        let convex = closed && is_convex(&tree, half.iter().fold(0.0, |m, x| f64::max(m, *x)));
+        Some(Self { tree: Arc::new(tree), rim: Arc::new((vertex, edges)), half, convex })
+    }
+
+    /// Whether it is known to be the hull of a convex body.
+    #[must_use]
+    pub fn is_convex(&self) -> bool {
+        self.convex
     }
 
     /// Its vertices [m].
@@ -148,6 +177,22 @@ mod tests {
                 prop_assert!((mesh.hessian - solid.hessian).norm() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn only_hulls_are_convex() {
+        assert!(cube().is_convex());
+        // A tetrahedron, and the same with its face z = 0 pushed in, or open.
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        assert!(Mesh::new(&points, &faces).unwrap().is_convex());
+        assert!(!Mesh::new(&points, &faces[..3]).unwrap().is_convex());
+        let dented: Vec<[f64; 3]> = points.into_iter().chain([[0.2, 0.2, 0.1]]).collect();
+        let faces = [[0, 2, 4], [2, 1, 4], [1, 0, 4], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        assert!(!Mesh::new(&dented, &faces).unwrap().is_convex());
+        // Turned inside out its inside is all around.
+        let faces = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+        assert!(!Mesh::new(&points, &faces).unwrap().is_convex());
     }
 
     #[test]

@@ -6,6 +6,8 @@
 //! a corner: Newton's iteration with active bounds.
 
 use crate::broad_phase::Box3;
+use crate::curve::Piece;
+use crate::zones::{Convexity, Sample};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Control points of a patch, at most.
@@ -185,6 +187,29 @@ pub struct Net {
     points: [Vector3<f64>; POINTS],
 }
 
+/// Control points of a derivative, as many as it has.
+#[derive(Clone, Copy, Debug, Default)]
+struct Points {
+    points: [Vector3<f64>; 12],
+    count: usize,
+}
+
+impl Points {
+    fn push(&mut self, point: Vector3<f64>) {
+        self.points[self.count] = point;
+        self.count += 1;
+    }
+
+    fn mean(&self) -> Vector3<f64> {
+        self.points[..self.count].iter().sum::<Vector3<f64>>() / self.count as f64
+    }
+
+    fn farthest(&self, from: Vector3<f64>) -> f64 {
+        let far = self.points[..self.count].iter().map(|p| (p - from).norm_squared());
+        far.fold(0.0, f64::max).sqrt()
+    }
+}
+
 /// Turns of the iteration; it takes three to six.
 const TURNS: usize = 60;
 /// Step in the parameters whose square is rounding.
@@ -223,24 +248,122 @@ impl Net {
     /// A box that holds it.
     #[must_use]
     pub fn hull(&self, margin: f64) -> Box3 {
-        let mut hull = Box3 { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-        for p in self.points() {
-            for k in 0..3 {
-                hull.low[k] = hull.low[k].min(p[k] - margin);
-                hull.high[k] = hull.high[k].max(p[k] + margin);
+        hull(self.points(), margin)
+    }
+
+    /// Control points of its first derivatives over 3, by u and by v, and of its second ones, by uu, uv and vv.
+    fn differences(&self) -> ([Points; 2], [Points; 3]) {
+        let p = &self.points;
+        let (mut first, mut second) = ([Points::default(); 2], [Points::default(); 3]);
+        match self.form {
+            Form::Square => {
+                let at = |i: usize, j: usize| p[4 * i + j];
+                let bend =
+                    |a: Vector3<f64>, b: Vector3<f64>, c: Vector3<f64>| (a - b * 2.0 + c) * 6.0;
+                for i in 0..4 {
+                    for j in 0..3 {
+                        first[0].push(at(j + 1, i) - at(j, i));
+                        first[1].push(at(i, j + 1) - at(i, j));
+                    }
+                    for j in 0..2 {
+                        second[0].push(bend(at(j, i), at(j + 1, i), at(j + 2, i)));
+                        second[2].push(bend(at(i, j), at(i, j + 1), at(i, j + 2)));
+                    }
+                }
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let twist = at(i + 1, j + 1) - at(i + 1, j) - at(i, j + 1) + at(i, j);
+                        second[1].push(twist * 9.0);
+                    }
+                }
+            }
+            Form::Triangle => {
+                // Points by their exponents of u and v; those of 1 - u - v follow.
+                let at = |j: usize, k: usize| p[(j + k) * (j + k + 1) / 2 + k];
+                for j in 0..3 {
+                    for k in 0..3 - j {
+                        first[0].push(at(j + 1, k) - at(j, k));
+                        first[1].push(at(j, k + 1) - at(j, k));
+                        if j + k < 2 {
+                            let o = at(j, k);
+                            let (u, v) = (at(j + 1, k), at(j, k + 1));
+                            second[0].push((at(j + 2, k) - u * 2.0 + o) * 6.0);
+                            second[1].push((at(j + 1, k + 1) - u - v + o) * 6.0);
+                            second[2].push((at(j, k + 2) - v * 2.0 + o) * 6.0);
+                        }
+                    }
+                }
             }
         }
-        hull
+        (first, second)
+    }
+
+    /// A kappa [1/m] such that every place nearer than `1/kappa` has one nearest point, where one is seen: then the Hessian
+    /// of the distance d is nowhere below `-kappa/(1 - kappa d)`.
+    ///
+    /// In parameters stretched so that the mean slopes are unit vectors, of which `c` is the cosine, any two points
+    /// `|delta|` apart there are `sigma |delta|` apart at least, `sigma = sqrt(1 - |c|) - (what slopes differ by from
+    /// their means)`, and either is `beta |delta|^2/2` at most from what is tangent at the other, beta the largest bend:
+    /// the reach after Federer (1959, theorem 4.18) is `sigma^2/beta`.
+    #[must_use]
+    pub fn curvature_bound(&self) -> Option<f64> {
+        let (first, second) = self.differences();
+        let means = [0, 1].map(|a| first[a].mean() * 3.0);
+        let sizes = means.map(|mean| mean.norm());
+        let apart = [0, 1].map(|a| first[a].farthest(means[a] / 3.0) * 3.0 / sizes[a]);
+        let c = means[0].dot(&means[1]) / (sizes[0] * sizes[1]);
+        let sigma = (1.0 - c.abs()).max(0.0).sqrt() - apart[0].hypot(apart[1]);
+        let bend = |k: usize, size: f64| second[k].farthest(Vector3::zeros()) / size;
+        let [u, v] = sizes;
+        let beta = bend(0, u * u).max(bend(2, v * v)) + bend(1, u * v);
+        (sigma > 0.0).then(|| beta / (sigma * sigma))
+    }
+
+    /// Where along a slave piece the distance is below `reach`, in order; none where the net bends too sharply for that
+    /// to be found this way.
+    #[must_use]
+    pub fn zones(&self, slave: &Piece, reach: f64) -> Option<Vec<(f64, f64)>> {
+        let mut found = Vec::new();
+        let near = self.hull(reach);
+        if near.meets(&hull(&slave.control(), 0.0)) {
+            let facing = Facing { net: self, near, kappa: self.curvature_bound()?, reach };
+            facing.zones(slave, (0.0, 1.0), HALVINGS, &mut found)?;
+        }
+        Some(found)
     }
 
     /// Position and derivatives at a place.
     #[must_use]
     pub fn jet(&self, at: [f64; 2]) -> Jet {
+        if self.form == Form::Square {
+            return self.square_jet(at);
+        }
         let basis = self.form.basis(at);
         let sum = |k: usize| -> Vector3<f64> {
             self.points().iter().zip(&basis[k]).map(|(p, w)| p * *w).sum()
         };
         Jet { r: sum(0), slopes: [sum(1), sum(2)], bends: [sum(3), sum(4), sum(5)] }
+    }
+
+    /// The same of a square: sums along v, then along u.
+    fn square_jet(&self, [u, v]: [f64; 2]) -> Jet {
+        let (a, b) = (bernstein(u), bernstein(v));
+        let mut rows = [[Vector3::zeros(); 4]; 3];
+        for (d, row) in rows.iter_mut().enumerate() {
+            for (i, sum) in row.iter_mut().enumerate() {
+                let p = &self.points[4 * i..4 * i + 4];
+                *sum = p[0] * b[d][0] + p[1] * b[d][1] + p[2] * b[d][2] + p[3] * b[d][3];
+            }
+        }
+        let sum = |d: usize, e: usize| -> Vector3<f64> {
+            let row = &rows[e];
+            row[0] * a[d][0] + row[1] * a[d][1] + row[2] * a[d][2] + row[3] * a[d][3]
+        };
+        Jet {
+            r: sum(0, 0),
+            slopes: [sum(1, 0), sum(0, 1)],
+            bends: [sum(2, 0), sum(1, 1), sum(0, 2)],
+        }
     }
 
     /// The point nearest to `p`, from the control point that is.
@@ -402,6 +525,64 @@ impl Net {
 
 type Vec2Sides = [Option<usize>; 2];
 
+/// The box around some points, grown by a margin.
+#[must_use]
+pub fn hull(points: &[Vector3<f64>], margin: f64) -> Box3 {
+    let mut hull = Box3 { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    for p in points {
+        for k in 0..3 {
+            hull.low[k] = hull.low[k].min(p[k] - margin);
+            hull.high[k] = hull.high[k].max(p[k] + margin);
+        }
+    }
+    hull
+}
+
+/// Halvings of a piece after which a net counts as too sharply bent.
+const HALVINGS: usize = 5;
+
+/// A net, the box around all that it may touch, how sharply it bends, and the distance of contact.
+struct Facing<'a> {
+    net: &'a Net,
+    near: Box3,
+    kappa: f64,
+    reach: f64,
+}
+
+impl Facing<'_> {
+    /// Appends where a part of a piece is within reach, in order: halves are looked at where the whole gets too far away
+    /// to be judged.
+    fn zones(
+        &self,
+        slave: &Piece,
+        (a, b): (f64, f64),
+        halvings: usize,
+        found: &mut Vec<(f64, f64)>,
+    ) -> Option<()> {
+        if !self.near.meets(&hull(&slave.part(a, b), 0.0)) {
+            return Some(());
+        }
+        let mut sample = |xi: f64| {
+            let p = slave.at(xi);
+            let foot = self.net.nearest(p);
+            let distance = foot.square.sqrt();
+            let way = (p - foot.jet.r).dot(&slave.slope(xi));
+            let slope = if distance > 0.0 { way / distance } else { 0.0 };
+            Sample { xi, gap: distance - self.reach, slope }
+        };
+        let [first, last] = [sample(a), sample(b)];
+        let radii = (self.reach, slave.radius());
+        if let Some(convexity) = Convexity::before(self.kappa, radii, slave, [&first, &last]) {
+            convexity.zones(&mut sample, &first, &last, found);
+            return Some(());
+        }
+        let middle = 0.5 * (a + b);
+        let halvings = halvings.checked_sub(1)?;
+        self.zones(slave, (a, middle), halvings, found)?;
+        self.zones(slave, (middle, b), halvings, found)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -418,6 +599,51 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn no_zone_before_a_net_is_missed(
+            ends in prop::array::uniform4(prop::array::uniform3(-1.0..1.0_f64)),
+            numbers in prop::collection::vec(-1.0..1.0_f64, 48), wild in 0.0..0.12_f64, low in -0.1..0.2_f64,
+        ) {
+            let [a, t, b, u] = ends.map(Vector3::from);
+            let corner = |x: f64, y: f64, by: Vector3<f64>| Vector3::new(x, y, low) + by * 0.15;
+            let on = Vector3::new(1.0, 0.3, 0.0);
+            let x = [corner(-0.2, 0.1, a), on + t * 0.3, corner(0.9, 0.5, b), on + u * 0.3];
+            let slave = Piece::new(x, 1.1, 0.03);
+            for form in [Form::Square, Form::Triangle] {
+                let net = net(form, &numbers, wild);
+                // Those that bend too sharply are for the search that knows nothing of bends.
+                let Some(zones) = net.zones(&slave, 0.05) else { continue };
+                for i in 0..=300 {
+                    let xi = f64::from(i) / 300.0;
+                    let gap = net.nearest(slave.at(xi)).square.sqrt() - 0.05;
+                    let inside = zones.iter().any(|&(a, b)| a <= xi && xi <= b);
+                    // Grazing contact shorter than the search's floor, 1e-3 R, may be left out.
+                    if gap.abs() > 1e-5 {
+                        prop_assert_eq!(inside, gap < 0.0, "xi = {}, gap = {}, zones {:?}", xi, gap, zones);
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn chords_stray_from_tangents_by_no_more_than_the_bound(
+            numbers in prop::collection::vec(-1.0..1.0_f64, 48), wild in 0.0..0.2_f64,
+            ends in prop::array::uniform2(prop::array::uniform2(0.0..0.5_f64)),
+        ) {
+            for form in [Form::Square, Form::Triangle] {
+                let net = net(form, &numbers, wild);
+                let Some(kappa) = net.curvature_bound() else { continue };
+                let [from, to] = ends;
+                let (here, there) = (net.jet(from), net.jet(to));
+                let chord = there.r - here.r;
+                // Federer's condition, with the tangent that leads from the one to the other.
+                let tangent = here.slopes[0] * (to[0] - from[0]) + here.slopes[1] * (to[1] - from[1]);
+                let part = chord.dot(&tangent) / tangent.norm_squared().max(f64::MIN_POSITIVE);
+                let stray = (chord - tangent * part.max(0.0)).norm();
+                prop_assert!(stray <= 0.5 * kappa * chord.norm_squared() + 1e-12, "{} {}", stray, kappa);
+            }
+        }
+
         #[test]
         fn derivatives_are_those_of_the_place(at in prop::array::uniform2(0.05..0.45_f64), numbers in prop::collection::vec(-1.0..1.0_f64, 48)) {
             for form in [Form::Square, Form::Triangle] {

@@ -4,6 +4,7 @@
 use crate::bore::Bore;
 use crate::meshes::Mesh;
 use nalgebra::{Matrix3, Vector3};
+use std::borrow::Cow;
 
 /// A shape in its own frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +92,19 @@ impl Shape {
         }
     }
 
+    /// Signed distance of `q` alone.
+    #[must_use]
+    pub fn value(&self, q: Vector3<f64>) -> f64 {
+        match *self {
+            Self::HalfSpace => q.z,
+            Self::Ball { radius } => q.norm() - radius,
+            Self::Capsule { radius, half } => {
+                Vector3::new(q.x, q.y, q.z - q.z.clamp(-half, half)).norm() - radius
+            }
+            _ => self.distance(q).value,
+        }
+    }
+
     /// How far outside of its surface, less than zero for inside, the distance has its kinks: infinitely far inside a
     /// plane.
     #[must_use]
@@ -116,6 +130,16 @@ impl Shape {
         }
     }
 
+    /// Whether it is a convex body: then the signed distance is a convex function.
+    #[must_use]
+    pub fn is_convex(&self) -> bool {
+        match *self {
+            Self::Mesh(ref mesh) => mesh.is_convex(),
+            Self::Bore(_) => false,
+            _ => true,
+        }
+    }
+
     /// Half of the edges of its box in its own frame; infinite for the half-space and what is around a bore.
     #[must_use]
     pub fn half_extent(&self) -> [f64; 3] {
@@ -137,15 +161,15 @@ fn corner(
     normal: impl Fn(usize) -> Vector3<f64>,
     hessian: impl Fn(usize) -> Matrix3<f64>,
 ) -> Distance {
-    let out: Vec<usize> = (0..3).filter(|&k| excess[k] > 0.0).collect();
-    if let [] | [_] = out[..] {
+    let out = || (0..3).filter(|&k| excess[k] > 0.0);
+    if out().count() < 2 {
         let k = excess.imax();
         return Distance { value: excess[k], normal: normal(k), hessian: hessian(k) };
     }
-    let d: Vector3<f64> = out.iter().map(|&k| normal(k) * excess[k]).sum();
-    let space: Matrix3<f64> = out.iter().map(|&k| normal(k) * normal(k).transpose()).sum();
+    let d: Vector3<f64> = out().map(|k| normal(k) * excess[k]).sum();
+    let space: Matrix3<f64> = out().map(|k| normal(k) * normal(k).transpose()).sum();
     let mut distance = round(d, space, 0.0);
-    for &k in &out {
+    for k in out() {
         distance.hessian += hessian(k) * (excess[k] / distance.value);
     }
     distance
@@ -163,6 +187,31 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// As much of it as matters to points within `reach` of `q`, which has the same distances there.
+    #[must_use]
+    pub fn near(&self, q: Vector3<f64>, reach: f64) -> Cow<'_, Self> {
+        match self.shape {
+            Shape::Bore(ref bore) => {
+                let near = bore.near(self.axes.transpose() * (q - self.origin), reach);
+                Cow::Owned(Self { shape: Shape::Bore(near), origin: self.origin, axes: self.axes })
+            }
+            _ => Cow::Borrowed(self),
+        }
+    }
+
+    /// Signed distance of a point of the world alone.
+    #[must_use]
+    pub fn value(&self, q: Vector3<f64>) -> f64 {
+        self.shape.value(self.axes.transpose() * (q - self.origin))
+    }
+
+    /// Signed distance of a point of the world and its gradient.
+    #[must_use]
+    pub fn value_and_normal(&self, q: Vector3<f64>) -> (f64, Vector3<f64>) {
+        let own = self.shape.distance(self.axes.transpose() * (q - self.origin));
+        (own.value, self.axes * own.normal)
+    }
+
     /// Signed distance of a point of the world.
     #[must_use]
     pub fn distance(&self, q: Vector3<f64>) -> Distance {

@@ -2,7 +2,7 @@
 
 use crate::curve::{Piece, sign_changes};
 use crate::point::{Blocks, Laws, Motion, Place, Slide, Verge};
-use crate::shapes::Placed;
+use crate::shapes::{Placed, Shape};
 use crate::zones::{Bounds, Convexity, POINTS, Sample, Spot, Stretch, least, zones};
 use nalgebra::{Matrix3, Vector3};
 
@@ -176,7 +176,7 @@ impl Master<'_> {
     pub fn gap(&self, slave: &Piece, xi: f64) -> f64 {
         let q = slave.at(xi);
         match self {
-            Self::Shape(shape) => shape.distance(q).value - slave.radius(),
+            Self::Shape(shape) => shape.value(q) - slave.radius(),
             Self::Line(master, _) => {
                 (master.at(master.nearest(q)) - q).norm() - slave.radius() - master.radius()
             }
@@ -184,8 +184,16 @@ impl Master<'_> {
     }
 
     /// The same with its slope by xi of the slave.
-    fn sample(master: &Piece, slave: &Piece, xi: f64) -> Sample {
+    fn sample(&self, slave: &Piece, xi: f64) -> Sample {
         let q = slave.at(xi);
+        let master = match self {
+            Self::Line(master, _) => master,
+            Self::Shape(shape) => {
+                let (value, normal) = shape.value_and_normal(q);
+                let slope = normal.dot(&slave.slope(xi));
+                return Sample { xi, gap: value - slave.radius(), slope };
+            }
+        };
         let d = master.at(master.nearest(q)) - q;
         let distance = d.norm();
         let n = if distance > 0.0 { d / distance } else { Vector3::z() };
@@ -197,8 +205,8 @@ impl Master<'_> {
     #[must_use]
     pub fn clearance(&self, slave: &Piece) -> f64 {
         let balls = self.clearance_of_balls(slave);
-        let Self::Line(master, _) = self else { return balls };
-        let ends = [0.0, 1.0].map(|xi| Self::sample(master, slave, xi));
+        let Self::Line(..) = self else { return balls };
+        let ends = [0.0, 1.0].map(|xi| self.sample(slave, xi));
         let convexity = self.convexity(slave, &ends);
         balls.max(convexity.map_or(balls, |c| c.least(&ends[0], &ends[1])))
     }
@@ -208,7 +216,7 @@ impl Master<'_> {
         let q = slave.at(0.5);
         let half = 0.5 * slave.speed_bound() + slave.radius();
         match self {
-            Self::Shape(shape) => shape.distance(q).value - half,
+            Self::Shape(shape) => shape.value(q) - half,
             Self::Line(master, _) => {
                 let reach = half + 0.5 * master.speed_bound() + master.radius();
                 (master.at(0.5) - q).norm() - reach
@@ -216,20 +224,25 @@ impl Master<'_> {
         }
     }
 
-    /// How far from convex the gap is between two places, before a line that bends little beside their distance.
-    fn convexity(&self, slave: &Piece, ends: &[Sample; 2]) -> Option<Convexity> {
-        let Self::Line(master, _) = self else { return None };
-        let kappa = master.curvature_bound()?;
-        let reach = slave.radius() + master.radius();
-        let speed = slave.speed_bound();
-        let [a, b] = ends;
-        let farthest = reach + 0.5 * (a.gap + b.gap + speed * (b.xi - a.xi));
-        let rest = 1.0 - kappa * farthest;
-        (rest > STRAIGHT).then(|| Convexity {
-            sag: speed * speed * kappa / rest + slave.bend_bound(),
-            reach,
-            floor: 1e-3 * slave.radius().min(master.radius()) / speed,
-        })
+    /// How far from convex the gap is between two places: before a line that bends little beside their distance, and
+    /// before a convex body. Within a bore it is the gap's opposite.
+    fn convexity(&self, slave: &Piece, [a, b]: &[Sample; 2]) -> Option<Convexity> {
+        let r = slave.radius();
+        match self {
+            Self::Line(master, _) => {
+                let s = master.radius();
+                Convexity::before(master.curvature_bound()?, (r + s, r.min(s)), slave, [a, b])
+            }
+            Self::Shape(Placed { shape: Shape::Bore(bore), .. }) => {
+                let ends = [&a.opposite(), &b.opposite()];
+                Convexity::before(bore.curvature_bound()?, (bore.radius() - r, r), slave, ends)
+            }
+            Self::Shape(Placed { shape, .. }) => shape.is_convex().then(|| Convexity {
+                sag: slave.bend_bound(),
+                reach: r + shape.reach(),
+                floor: 1e-3 * r / slave.speed_bound(),
+            }),
+        }
     }
 
     /// Zones in a part of the slave, wherever the feet are.
@@ -240,17 +253,20 @@ impl Master<'_> {
         bounds: &Bounds,
         found: &mut Vec<(f64, f64)>,
     ) {
-        if let Self::Line(master, _) = self {
-            let ends = [span.0, span.1].map(|xi| Self::sample(master, slave, xi));
-            if let Some(convexity) = self.convexity(slave, &ends) {
-                let mut gap = |xi| Self::sample(master, slave, xi);
-                // Zones of neighbouring spans are not one.
-                let mut here = Vec::new();
-                convexity.zones(&mut gap, &ends[0], &ends[1], &mut here);
-                return found.append(&mut here);
+        let ends = [span.0, span.1].map(|xi| self.sample(slave, xi));
+        let Some(convexity) = self.convexity(slave, &ends) else {
+            return found.extend(zones(|xi| self.gap(slave, xi), span, bounds));
+        };
+        let mut gap = |xi| self.sample(slave, xi);
+        // Zones of neighbouring spans are not one.
+        let mut here = Vec::new();
+        match self {
+            Self::Shape(Placed { shape: Shape::Bore(_), .. }) => {
+                convexity.zones_of_opposite(&mut gap, &ends[0], &ends[1], &mut here);
             }
+            _ => convexity.zones(&mut gap, &ends[0], &ends[1], &mut here),
         }
-        found.extend(zones(|xi| self.gap(slave, xi), span, bounds));
+        found.append(&mut here);
     }
 
     /// Whether the foot of a point lies on this piece, not on the neighbours of it: inside, or at a round end.
@@ -313,7 +329,7 @@ impl Master<'_> {
         Stretch::of(slave, zone, |xi| {
             let q = slave.at(xi);
             let normal = match self {
-                Self::Shape(shape) => shape.distance(q).normal,
+                Self::Shape(shape) => shape.value_and_normal(q).1,
                 Self::Line(master, _) => q - master.at(master.nearest(q)),
             };
             normal.dot(&slave.slope(xi))
@@ -340,7 +356,20 @@ impl Master<'_> {
     /// the other.
     #[must_use]
     pub fn zones(&self, slave: &Piece) -> Vec<(f64, f64)> {
-        if self.clearance_of_balls(slave) > 0.0 { Vec::new() } else { self.zones_near(slave) }
+        self.at_hand(slave, |this| {
+            if this.clearance_of_balls(slave) > 0.0 { Vec::new() } else { this.zones_near(slave) }
+        })
+    }
+
+    /// Calls `work` with as much of this as matters to the slave.
+    fn at_hand<T>(&self, slave: &Piece, work: impl for<'b> FnOnce(&Master<'b>) -> T) -> T {
+        match self {
+            Self::Line(..) => work(self),
+            Self::Shape(shape) => {
+                let near = shape.near(slave.at(0.5), 0.5 * slave.speed_bound());
+                work(&Master::Shape(&near))
+            }
+        }
     }
 
     fn zones_near(&self, slave: &Piece) -> Vec<(f64, f64)> {
@@ -389,6 +418,10 @@ impl Master<'_> {
     /// the slave. That counts as a length of one radius, for a zone under an end that meets the other head-on has
     /// hardly any.
     pub fn touch(&self, slave: &Piece, free: [bool; 2], found: &mut Vec<Patch>) {
+        self.at_hand(slave, |this| this.touch_near(slave, free, found));
+    }
+
+    fn touch_near(&self, slave: &Piece, free: [bool; 2], found: &mut Vec<Patch>) {
         if self.clearance_of_balls(slave) > 0.0 {
             return;
         }
@@ -442,8 +475,6 @@ impl Master<'_> {
     }
 }
 
-/// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
-const STRAIGHT: f64 = 0.2;
 /// See [`Master::shift`], in radii of the slave: far above rounding, far below what is seen.
 const SHIFT: f64 = 1e-7;
 /// Gap at the end of a zone, in radii, that is zero but for rounding.

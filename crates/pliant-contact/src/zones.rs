@@ -1,6 +1,7 @@
 //! Zones: where along a slave piece the gap is below zero. None is missed.
 //!
-//! Before a line that bends little the gap is convex but for a known rest: see [`Convexity`]. Else and before shapes:
+//! Before a line that bends little, a convex body and within a bore the gap is convex, or concave, but for a known rest:
+//! see [`Convexity`]. Else:
 //!
 //! The distance to any set changes no faster than the point moves, so on an interval whose image is at most `ell`
 //! long `min g >= (g_a + g_b - ell)/2`; and it is semiconcave, `g'' <= M` with `M = v^2/d + |r''|`, so that
@@ -173,25 +174,57 @@ pub struct Sample {
     pub slope: f64,
 }
 
-/// What bounds the gap along a slave piece before a line that bends little: there it is convex but for `sag`.
+impl Sample {
+    /// That of the gap's opposite.
+    #[must_use]
+    pub fn opposite(&self) -> Self {
+        Self { gap: -self.gap, slope: -self.slope, ..*self }
+    }
+}
+
+/// What bounds the gap along a slave piece before a line that bends little or a convex body: there it is convex but for
+/// `sag`.
 ///
 /// Nearer than its radius of curvature a curve has one foot for each point, and the Hessian of the distance d is never
 /// below `-kappa/(1 - kappa d)`: a point that moves with speed v and acceleration a meets `g'' >= -sag`,
-/// `sag = v^2 kappa/(1 - kappa d) + |a|`. So `g + sag x^2/2` is convex: above its tangents, below its chords.
+/// `sag = v^2 kappa/(1 - kappa d) + |a|`. So `g + sag x^2/2` is convex: above its tangents, below its chords. The signed
+/// distance of a convex body is convex: before one `sag = |a|`. Within a bore it is the gap's opposite that is all this,
+/// for there the distance from a line is what is left of a radius.
 #[derive(Clone, Copy, Debug)]
 pub struct Convexity {
     /// Bound of `-g''` [m].
     pub sag: f64,
-    /// The sum of the radii: distance of the lines at the gap's zero [m].
+    /// Distance from the gap's zero to the distance function's kinks, as in [`Bounds`] [m].
     pub reach: f64,
     /// Width among the xi below which nothing is resolved further.
     pub floor: f64,
 }
 
+/// What is left of one less distances over radii of curvature, from which on a line counts as bent little.
+const STRAIGHT: f64 = 0.2;
 /// Newton's increments, by xi, below which the next one is rounding.
 const CONVERGED: f64 = 1e-9;
 
 impl Convexity {
+    /// That of a slave before a set whose every point nearer than `1/kappa` has one foot, between places where the distance
+    /// exceeds `reach` by their gaps; none where it may come near `1/kappa`. `least` is the smaller radius [m].
+    #[must_use]
+    pub fn before(
+        kappa: f64,
+        (reach, least): (f64, f64),
+        slave: &Piece,
+        [a, b]: [&Sample; 2],
+    ) -> Option<Self> {
+        let speed = slave.speed_bound();
+        let farthest = reach + 0.5 * (a.gap + b.gap + speed * (b.xi - a.xi));
+        let rest = 1.0 - kappa * farthest;
+        (rest > STRAIGHT).then(|| Self {
+            sag: speed * speed * kappa / rest + slave.bend_bound(),
+            reach,
+            floor: 1e-3 * least / speed,
+        })
+    }
+
     /// How far g may leave convexity between two places.
     fn slack(&self, a: &Sample, b: &Sample) -> f64 {
         0.125 * self.sag * (b.xi - a.xi).powi(2)
@@ -252,12 +285,33 @@ impl Convexity {
         self.zones(gap, &c, b, found);
     }
 
-    /// Squared distances at the ends and their slopes, on an interval of width one: of straight lines they are a
-    /// parabola's.
+    /// Half of what squared distances at the ends exceed that of the gap's zero by, over that distance, and the slopes, on
+    /// an interval of width one: of straight lines they are a parabola's. Far from its kinks the gap itself.
     fn squares(&self, a: &Sample, b: &Sample) -> [f64; 4] {
         let width = b.xi - a.xi;
-        let (d_a, d_b) = (a.gap + self.reach, b.gap + self.reach);
-        [d_a * d_a, 2.0 * d_a * a.slope * width, d_b * d_b, 2.0 * d_b * b.slope * width]
+        let value = |s: &Sample| s.gap * (1.0 + 0.5 * s.gap / self.reach);
+        let slope = |s: &Sample| s.slope * (1.0 + s.gap / self.reach) * width;
+        [value(a), slope(a), value(b), slope(b)]
+    }
+
+    /// Appends the zones between two places where this is what bounds the gap's opposite: the rest of where that is below
+    /// zero.
+    pub fn zones_of_opposite(
+        &self,
+        gap: &mut impl FnMut(f64) -> Sample,
+        a: &Sample,
+        b: &Sample,
+        found: &mut Vec<(f64, f64)>,
+    ) {
+        let mut free = Vec::new();
+        self.zones(&mut |xi| gap(xi).opposite(), &a.opposite(), &b.opposite(), &mut free);
+        let mut from = a.xi;
+        for (start, end) in free.into_iter().chain([(b.xi, b.xi)]) {
+            if start > from {
+                add(found, from, start);
+            }
+            from = end;
+        }
     }
 
     /// Where, as a part of the interval, the gap is about lowest.
@@ -273,7 +327,7 @@ impl Convexity {
         let (rise, width) = (f_b - f_a, b.xi - a.xi);
         let (two, three) = (3.0 * rise - 2.0 * s_a - s_b, s_a + s_b - 2.0 * rise);
         let cubic = |x: f64| {
-            let value = f_a - self.reach * self.reach + x * (s_a + x * (two + x * three));
+            let value = f_a + x * (s_a + x * (two + x * three));
             Sample { xi: x, gap: value, slope: s_a + x * (2.0 * two + 3.0 * x * three) }
         };
         let rises = b.gap > 0.0;

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use pliant_contact::bore::Bore;
 use pliant_contact::curve::{Piece, sign_changes};
 use pliant_contact::friction::{Coulomb, Friction, LuGre};
+use pliant_contact::meshes::Mesh;
 use pliant_contact::normal::Normal;
 use pliant_contact::point::{Blocks, Laws, Motion};
 use pliant_contact::shapes::{Placed, Shape};
@@ -50,13 +51,29 @@ fn brute_distance(master: &Piece, q: Vector3<f64>) -> f64 {
     d(0.5 * (a + b))
 }
 
-/// A bore along an arc of a radian and 0.4 m.
-fn bore() -> Bore {
+/// A box of triangles with a roof, or a bottom pushed in by some height: convex without.
+fn roof(dent: f64) -> Mesh {
+    let corner = |x: f64, y: f64, z: f64| [0.2 * x, 0.15 * y, z];
+    let ring =
+        |z: f64| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(x, y, z));
+    let tops = [corner(0.0, 0.0, 0.2), corner(0.0, 0.0, -0.1 + dent)];
+    let points: Vec<[f64; 3]> = ring(-0.1).into_iter().chain(ring(0.1)).chain(tops).collect();
+    let sides = (0..4).flat_map(|k| {
+        let next = (k + 1) % 4;
+        [[k, next, next + 4], [k, next + 4, k + 4], [k + 4, next + 4, 8], [next, k, 9]]
+    });
+    let mesh = Mesh::new(&points, &sides.collect::<Vec<_>>()).unwrap();
+    assert_eq!(mesh.is_convex(), dent == 0.0);
+    mesh
+}
+
+/// A bore of a radius along an arc of a radian and 0.4 m.
+fn bore(radius: f64) -> Bore {
     let angles: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
     let points: Vec<[f64; 3]> =
         angles.iter().map(|a| [0.4 * a.sin(), 0.4 - 0.4 * a.cos(), 0.0]).collect();
     let tangents: Vec<[f64; 3]> = angles.iter().map(|a| [a.cos(), a.sin(), 0.0]).collect();
-    Bore::new(&points, &tangents, &[0.05; 8], 0.15).unwrap()
+    Bore::new(&points, &tangents, &[0.05; 8], radius).unwrap()
 }
 
 proptest! {
@@ -74,14 +91,17 @@ proptest! {
     }
 
     #[test]
-    fn no_zone_on_a_shape_is_missed(slave in bent(0.03), which in 0..6_usize, origin in vectors(), turn in vectors()) {
+    fn no_zone_on_a_shape_is_missed(slave in bent(0.03), which in 0..9_usize, origin in vectors(), turn in vectors()) {
         let shape = [
             Shape::HalfSpace,
             Shape::Ball { radius: 0.2 },
             Shape::Box { half: [0.2, 0.1, 0.15] },
             Shape::Cylinder { radius: 0.1, half: 0.3 },
             Shape::Capsule { radius: 0.1, half: 0.2 },
-            Shape::Bore(bore()),
+            Shape::Bore(bore(0.15)),
+            Shape::Bore(bore(0.05)),
+            Shape::Mesh(roof(0.0)),
+            Shape::Mesh(roof(0.1)),
         ][which].clone();
         let axes = *Rotation3::from_scaled_axis(turn * 3.0).matrix();
         let placed = Placed { shape, origin: origin * 0.3, axes };

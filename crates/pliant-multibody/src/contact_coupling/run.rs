@@ -236,7 +236,7 @@ fn near(contacts: &Contacts, q: &[f64], margin: f64) -> Vec<(usize, usize, usize
         for (e, segment) in contacts.lines[contact.slave].iter().enumerate() {
             let piece = segment.piece(q);
             let reach = 0.5 * piece.speed_bound() + piece.radius() + margin;
-            if shape.distance(piece.at(0.5)).value <= reach {
+            if shape.value(piece.at(0.5)) <= reach {
                 all.push((number, e, usize::MAX));
             }
         }

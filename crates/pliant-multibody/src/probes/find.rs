@@ -131,11 +131,15 @@ impl Facing {
             Side::Sheet(faces) => {
                 for (f, face) in faces.iter().enumerate() {
                     let (middle, reach) = face.ball(q);
-                    if shape.distance(master.local(middle)).value > reach + face.radius {
+                    if shape.value(master.local(middle)) > reach + face.radius {
                         continue;
                     }
                     for (k, &(_, area)) in face.rule.iter().enumerate() {
-                        let probe = facing(Slave::Point, face.probe(k, q), face.radius, area);
+                        let p = face.probe(k, q);
+                        if shape.value(master.local(p)) >= face.radius {
+                            continue;
+                        }
+                        let probe = facing(Slave::Point, p, face.radius, area);
                         let mark = Mark::Number((f as u64) << 8 | k as u64);
                         add(f, Blend::Rule(k), mark, probe, probe.gap());
                     }

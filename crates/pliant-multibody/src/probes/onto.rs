@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use pliant_contact::broad_phase::{Box3, pairs};
 use pliant_contact::curve::Piece;
 use pliant_contact::foot::Foot;
-use pliant_contact::net::Feature;
+use pliant_contact::net::{Feature, hull};
 use pliant_contact::probe::{Opposing, Slave};
 use pliant_contact::zones::{Bounds, POINTS, Sample, Spot as Place, Stretch, least, zones};
 
@@ -43,31 +43,57 @@ struct Near {
     /// Hulls of slave and master where they were gathered.
     built: Vec<Vector3<f64>>,
     built_master: Vec<Vector3<f64>>,
+    /// Hulls of the slave now and at the last accepted step.
+    now: Hulls,
+    before: Hulls,
 }
 
-/// Points in whose hull the probes of each part lie, part by part.
-fn hulls(facing: &Facing, posed: &[Posed], probes: &Probes, q: &[f64]) -> Vec<Vec<Vector3<f64>>> {
-    match &facing.slave {
-        Side::Sheet(faces) => {
-            let Some(number) = facing.own_skin else { return Vec::new() };
-            let (skin, posed) = (&probes.skins[number], &posed[number]);
-            let of = |face: usize| {
-                skin.nets_of(face)
-                    .flat_map(|net| posed.nets[net].points().iter().copied())
-                    .collect()
-            };
-            (0..faces.len()).map(of).collect()
-        }
-        Side::Line(line) => line.iter().map(|s| s.piece(q).control().to_vec()).collect(),
-        Side::Mass(terms, _) => vec![vec![at(terms, q)]],
-        Side::Rigid(..) | Side::Rest(..) => {
-            let Some((pose, shape)) = facing.slave.shape(q) else { return Vec::new() };
-            let half = Vector3::from(shape.half_extent());
-            let corner = |i: usize| {
-                let sign = |k: usize| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
-                pose.at(Vector3::from_fn(|k, _| sign(k) * half[k]))
-            };
-            vec![(0..8).map(corner).collect()]
+/// Points in whose hull the probes of each part lie, part by part, and where those of each end.
+#[derive(Clone, Debug, Default)]
+struct Hulls {
+    points: Vec<Vector3<f64>>,
+    ends: Vec<usize>,
+}
+
+impl Hulls {
+    fn add(&mut self, points: impl IntoIterator<Item = Vector3<f64>>) {
+        self.points.extend(points);
+        self.ends.push(self.points.len());
+    }
+
+    fn part(&self, number: usize) -> &[Vector3<f64>] {
+        let first = if number == 0 { 0 } else { self.ends[number - 1] };
+        &self.points[first..self.ends[number]]
+    }
+
+    /// A box that holds a part.
+    fn around(&self, number: usize, margin: f64) -> Box3 {
+        hull(self.part(number), margin)
+    }
+
+    fn look(&mut self, facing: &Facing, posed: &[Posed], probes: &Probes, q: &[f64]) {
+        self.points.clear();
+        self.ends.clear();
+        match &facing.slave {
+            Side::Sheet(faces) => {
+                let Some(number) = facing.own_skin else { return };
+                let (skin, posed) = (&probes.skins[number], &posed[number]);
+                for face in 0..faces.len() {
+                    let nets = skin.nets_of(face).map(|net| posed.nets[net].points());
+                    self.add(nets.flatten().copied());
+                }
+            }
+            Side::Line(line) => line.iter().for_each(|s| self.add(s.piece(q).control())),
+            Side::Mass(terms, _) => self.add([at(terms, q)]),
+            Side::Rigid(..) | Side::Rest(..) => {
+                let Some((pose, shape)) = facing.slave.shape(q) else { return };
+                let half = Vector3::from(shape.half_extent());
+                let corner = |i: usize| {
+                    let sign = |k: usize| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
+                    pose.at(Vector3::from_fn(|k, _| sign(k) * half[k]))
+                };
+                self.add((0..8).map(corner));
+            }
         }
     }
 }
@@ -76,12 +102,15 @@ fn at(terms: &[(usize, f64)], q: &[f64]) -> Vector3<f64> {
     terms.iter().map(|&(o, w)| Vector3::new(q[o], q[o + 1], q[o + 2]) * w).sum()
 }
 
-fn flat(posed: &Posed) -> Vec<Vector3<f64>> {
-    posed.nets.iter().flat_map(|net| net.points().iter().copied()).collect()
+fn flat(posed: &Posed) -> impl Iterator<Item = &Vector3<f64>> {
+    posed.nets.iter().flat_map(|net| net.points())
 }
 
-fn farthest(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).fold(0.0, f64::max).sqrt()
+fn farthest<'a, 'b>(
+    a: impl IntoIterator<Item = &'a Vector3<f64>>,
+    b: impl IntoIterator<Item = &'b Vector3<f64>>,
+) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| (a - b).norm_squared()).fold(0.0, f64::max).sqrt()
 }
 
 fn sign(x: f64) -> f64 {
@@ -143,19 +172,38 @@ impl Onto {
         if probes.skins.is_empty() {
             return;
         }
-        self.now = probes.skins.iter().map(|skin| skin.at(q)).collect();
+        // Others have no probe before them and none of their own before a surface.
+        let faces = |number: usize| {
+            let of = |f: &Facing| f.skin == Some(number) || f.own_skin == Some(number);
+            probes.facings.iter().any(|f| f.skin.is_some() && of(f))
+        };
+        let pose = |posed: &mut Vec<Posed>, q: &[f64]| {
+            posed.resize_with(probes.skins.len(), Posed::default);
+            for (number, (skin, posed)) in probes.skins.iter().zip(posed).enumerate() {
+                if faces(number) {
+                    skin.at(q, posed);
+                }
+            }
+        };
+        pose(&mut self.now, q);
+        self.near.resize_with(probes.facings.len(), Near::default);
+        let mut fresh = false;
         if self.was.len() == q.len() {
             if self.before_at != self.was {
-                self.before = probes.skins.iter().map(|skin| skin.at(&self.was)).collect();
+                pose(&mut self.before, &self.was);
                 self.before_at.clone_from(&self.was);
+                fresh = true;
             }
         } else {
             self.before.clear();
             self.before_at.clear();
         }
-        self.near.resize_with(probes.facings.len(), Near::default);
         for (number, facing) in probes.facings.iter().enumerate() {
             if let Some(skin) = facing.skin {
+                if fresh {
+                    let before = &mut self.near[number].before;
+                    before.look(facing, &self.before, probes, &self.was);
+                }
                 self.find_on(probes, (number, facing, skin), q, out);
             }
         }
@@ -169,14 +217,14 @@ impl Onto {
         out: &mut Vec<Touch>,
     ) {
         let skin = &probes.skins[master];
-        let parts = hulls(facing, &self.now, probes, q);
-        let own = parts.concat();
-        let other = flat(&self.now[master]);
+        let near = &mut self.near[number];
+        near.now.look(facing, &self.now, probes, q);
+        let own = &near.now.points;
+        let other = || flat(&self.now[master]);
         let reach = facing.reach;
         let mut travel = 0.0;
-        if !self.before.is_empty() {
-            let was = hulls(facing, &self.before, probes, &self.was).concat();
-            travel = farthest(&own, &was) + farthest(&other, &flat(&self.before[master]));
+        if let Some(before) = self.before.get(master) {
+            travel = farthest(own, &near.before.points) + farthest(other(), flat(before));
         }
         // Distances along lines are cut off above this.
         let ahead = match &facing.slave {
@@ -187,13 +235,13 @@ impl Onto {
             _ => 0.0,
         };
         let range = reach + travel + ahead;
-        let near = &mut self.near[number];
-        let moved = farthest(&own, &near.built) + farthest(&other, &near.built_master);
+        let moved = farthest(own, &near.built) + farthest(other(), &near.built_master);
         if near.built.len() != own.len() || moved + travel + ahead > near.margin {
             near.margin = 1.5 * (travel + ahead) + f64::max(0.5 * reach, 0.1 * facing.size);
-            near.faces = gather(&parts, &self.now[master].boxes, reach + near.margin);
-            near.built = own;
-            near.built_master = other;
+            near.faces = gather(&near.now, &self.now[master].boxes, reach + near.margin);
+            near.built.clone_from(own);
+            near.built_master.clear();
+            near.built_master.extend(other());
         }
         let mut here = Here {
             number,
@@ -209,37 +257,28 @@ impl Onto {
         }
         let was = (!self.before.is_empty()).then_some(self.was.as_slice());
         let near = &self.near[number];
-        for (part, hull) in parts.iter().enumerate() {
+        for part in 0..near.now.ends.len() {
             if near.faces[part].is_empty() {
                 continue;
             }
-            let mut around = Box3 { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-            for p in hull {
-                for k in 0..3 {
-                    around.low[k] = around.low[k].min(p[k] - range);
-                    around.high[k] = around.high[k].max(p[k] + range);
-                }
-            }
+            let around = near.now.around(part, range);
             let faces: Vec<usize> = near.faces[part]
                 .iter()
                 .copied()
                 .filter(|&face| here.now.boxes[face].meets(&around) && here.may_touch(part, face))
                 .collect();
             if !faces.is_empty() {
-                here.part((part, &faces), (q, was), range, out);
+                here.part((part, &faces), (q, was), (range, range - ahead), out);
             }
         }
     }
 }
 
 /// Faces whose boxes are within a margin of each part's.
-fn gather(parts: &[Vec<Vector3<f64>>], faces: &[Box3], margin: f64) -> Vec<Vec<usize>> {
-    let hull = |points: &Vec<Vector3<f64>>| {
-        let points: Vec<[f64; 3]> = points.iter().map(|&p| p.into()).collect();
-        Box3::around(&points, margin)
-    };
-    let n = parts.len();
-    let boxes: Vec<Box3> = parts.iter().map(hull).chain(faces.iter().copied()).collect();
+fn gather(parts: &Hulls, faces: &[Box3], margin: f64) -> Vec<Vec<usize>> {
+    let n = parts.ends.len();
+    let hulls = (0..n).map(|part| parts.around(part, margin));
+    let boxes: Vec<Box3> = hulls.chain(faces.iter().copied()).collect();
     let mut out = vec![Vec::new(); n];
     for (i, j) in pairs(&boxes, |i, j| (i as usize) < n && (j as usize) >= n) {
         out[i as usize].push(j as usize - n);
@@ -280,7 +319,7 @@ impl Here<'_> {
         &self,
         (part, faces): (usize, &[usize]),
         (q, was): (&[f64], Option<&[f64]>),
-        range: f64,
+        (range, near): (f64, f64),
         out: &mut Vec<Touch>,
     ) {
         let facing = self.facing;
@@ -304,7 +343,9 @@ impl Here<'_> {
                     self.touch(&one, out);
                 }
             }
-            Side::Line(line) => self.line(&line[part], (part, faces), (q, was), range, out),
+            Side::Line(line) => {
+                self.line(&line[part], (part, faces), (q, was), (range, near), out);
+            }
             Side::Mass(terms, radius) => {
                 let one = One {
                     slave: Slave::Point,
@@ -493,32 +534,33 @@ impl Here<'_> {
         segment: &Segment,
         (part, faces): (usize, &[usize]),
         (q, was): (&[f64], Option<&[f64]>),
-        range: f64,
+        (range, near): (f64, f64),
         out: &mut Vec<Touch>,
     ) {
         let half = faces.iter().map(|&f| self.skin.faces[f].radius).fold(0.0, f64::max);
-        let over = Over {
+        let mut over = Over {
             segment,
             piece: segment.piece(q),
             before: was.map(|was| segment.piece(was)),
             part,
             faces,
-            range,
-            most: range - segment.radius - half,
+            range: near,
+            most: near - segment.radius - half,
         };
-        let bounds = Bounds {
-            speed: over.piece.speed_bound(),
-            bend: over.piece.bend_bound(),
-            reach: segment.radius + half,
-            floor: 1e-3 * segment.radius,
-            single: 0.25 * segment.radius,
-        };
-        let sample = |xi: f64| {
-            let flat = Sample { xi, gap: over.most, slope: 0.0 };
-            self.nearest(&over, xi).unwrap_or(flat)
-        };
-        for zone in zones(|xi| sample(xi).gap, (0.0, 1.0), &bounds) {
-            for stretch in Stretch::of(&over.piece, zone, |xi| sample(xi).slope) {
+        let plain = self.facing.apart.is_empty() && self.stays(&over);
+        let zones = plain.then(|| self.zones_of_nets(&over)).flatten().unwrap_or_else(|| {
+            (over.range, over.most) = (range, range - segment.radius - half);
+            let bounds = Bounds {
+                speed: over.piece.speed_bound(),
+                bend: over.piece.bend_bound(),
+                reach: segment.radius + half,
+                floor: 1e-3 * segment.radius,
+                single: 0.25 * segment.radius,
+            };
+            zones(|xi| self.least(&over, xi).gap, (0.0, 1.0), &bounds)
+        });
+        for zone in zones {
+            for stretch in Stretch::of(&over.piece, zone, |xi| self.least(&over, xi).slope) {
                 self.stretch(&over, &stretch, out);
             }
         }
@@ -527,6 +569,47 @@ impl Here<'_> {
                 self.touch(&self.one(&over, (xi, segment.radius), (xi, xi), true), out);
             }
         }
+    }
+
+    /// The least gap at a place, cut off.
+    fn least(&self, over: &Over<'_>, xi: f64) -> Sample {
+        let flat = Sample { xi, gap: over.most, slope: 0.0 };
+        self.nearest(over, xi).unwrap_or(flat)
+    }
+
+    /// Zones of an element of a line before each net by itself, joined; none where a net bends too sharply for that.
+    ///
+    /// This takes distances for gaps: no part of the element may be beyond the mid-surface by more than reaches back.
+    fn zones_of_nets(&self, over: &Over<'_>) -> Option<Vec<(f64, f64)>> {
+        let mut all = Vec::new();
+        for &face in over.faces {
+            let reach = over.segment.radius + self.skin.faces[face].radius;
+            for number in self.skin.nets_of(face) {
+                all.append(&mut self.now.nets[number].zones(&over.piece, reach)?);
+            }
+        }
+        all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        all.dedup_by(|next, last| {
+            let one = next.0 <= last.1;
+            if one {
+                last.1 = last.1.max(next.1);
+            }
+            one
+        });
+        Some(all)
+    }
+
+    /// Whether no part of an element can be beyond the mid-surface by more than reaches back: nothing was at the last
+    /// accepted step, and since then neither side has come that far.
+    fn stays(&self, over: &Over<'_>) -> bool {
+        let (Some(then), Some(was)) = (self.before, &over.before) else { return true };
+        let faces = &self.skin.faces;
+        let half = over.faces.iter().map(|&f| faces[f].radius).fold(f64::INFINITY, f64::min);
+        let nets = || over.faces.iter().flat_map(|&face| self.skin.nets_of(face));
+        let moved = nets().map(|k| farthest(self.now.nets[k].points(), then.nets[k].points()));
+        let travel = farthest(&over.piece.control(), &was.control()) + moved.fold(0.0, f64::max);
+        travel <= over.segment.radius + half
+            && self.crossed.iter().all(|crossed| crossed.facing != self.number as u32)
     }
 
     /// The points of a stretch; the deepest shows the least gap of all of it.

@@ -191,7 +191,9 @@ impl Skin {
         let vectors = |k: usize| -> Vec<Vector3<f64>> {
             map.reference_of(&map.faces[k]).into_iter().map(vector).collect()
         };
-        this.reference = this.posed(|face, i| vectors(face)[i]);
+        let mut reference = Posed::default();
+        this.pose(&mut reference, |face, i| vectors(face)[i]);
+        this.reference = reference;
         this.places = (0..this.faces.len())
             .map(|k| {
                 let x = vectors(k);
@@ -202,8 +204,9 @@ impl Skin {
         this
     }
 
-    fn posed(&self, vector: impl Fn(usize, usize) -> Vector3<f64>) -> Posed {
-        let mut posed = Posed::default();
+    fn pose(&self, posed: &mut Posed, vector: impl Fn(usize, usize) -> Vector3<f64>) {
+        posed.nets.clear();
+        posed.boxes.clear();
         for (k, plate) in self.plates.iter().enumerate() {
             let mut hull = Box3 { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
             for patch in &plate.patches {
@@ -221,15 +224,14 @@ impl Skin {
             }
             posed.boxes.push(hull);
         }
-        posed
     }
 
-    /// Its nets at coordinates `q`.
-    pub(crate) fn at(&self, q: &[f64]) -> Posed {
-        self.posed(|face, i| {
+    /// Takes its nets to coordinates `q`.
+    pub(crate) fn at(&self, q: &[f64], posed: &mut Posed) {
+        self.pose(posed, |face, i| {
             let o = self.faces[face].offsets[i];
             Vector3::new(q[o], q[o + 1], q[o + 2])
-        })
+        });
     }
 
     /// Nets of a face.
