@@ -116,12 +116,13 @@ def test_a_wavy_rope_settles_on_a_sheet(damping):
     line = np.stack([x - 0.06, 0.01 - 0.25 * x, z], -1)
     rope = model.add_cable(line, elements=8, section=pl.Circle(5e-3), material=ROPE)
     model.add_contact(rope, table, damping=damping)
-    # Zones grow under the waves: with three points in each Newton's iteration stopped for good.
+    # Zones grow under the waves: with three points in each Newton's iteration stopped for good. Steps are cut
+    # for the energy of the blows alone.
     result = pl.simulate(model, duration=0.3, step=2e-3)
-    assert result.statistics.rejected < 20
+    assert result.statistics.rejected < 0.5 * result.statistics.steps
     mass = np.pi * 25e-6 * 1200.0 * np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-    # The impulse is a sum of trapezoids.
-    assert carried(result, rope, table, mass) == pytest.approx(1.0, abs=1e-3)
+    # The impulse is a sum of trapezoids through blows.
+    assert carried(result, rope, table, mass) == pytest.approx(1.0, abs=3e-3)
 
 
 def test_a_sheet_slides_on_a_sloping_sheet(record):
