@@ -460,9 +460,9 @@ def test_crossing_ropes_converge(examples, record):
     _, crossing = examples["crossing_ropes"]
     # Only what Newton's iteration leaves is lost.
     assert record("example crossing ropes, drift of momentum", crossing.momentum, 0.0, 1e-7)
-    # Less than a hundredth, and less with shorter steps.
-    assert record("example crossing ropes, energy drift at 1 ms", crossing.gaps[0], 0.0, 0.01)
-    assert crossing.gaps[-1] < crossing.gaps[0]
+    # Less than a thousandth with each step: longer ones are cut at the blow until they leave out no more.
+    assert record("example crossing ropes, energy drift at 1 ms", crossing.gaps[0], 0.0, 1e-3)
+    assert max(crossing.gaps) < 1e-3
     mesh, step = (
         np.linalg.norm(places[:-1] - places[-1], axis=2).max(axis=1)
         for places in (crossing.by_elements, crossing.by_step)
@@ -481,7 +481,7 @@ def test_crossing_ropes_converge(examples, record):
 def test_the_cloth_gets_what_rope_and_film_give(examples, record):
     _, slide = examples["sliding_cloth"]
     # Differences of places at the end, and trapezoids through the blows.
-    assert record("example sliding cloth, momentum without impulse", slide.unexplained, 0.0, 0.02)
+    assert record("example sliding cloth, momentum without impulse", slide.unexplained, 0.0, 0.03)
     assert slide.drifts[1] < slide.drifts[0]
     assert record("example sliding cloth, energy drift", slide.drifts[1], 0.0, 0.05)
 

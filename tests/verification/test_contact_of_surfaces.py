@@ -121,8 +121,8 @@ def test_a_wavy_rope_settles_on_a_sheet(damping):
     result = pl.simulate(model, duration=0.3, step=2e-3)
     assert result.statistics.rejected < 0.5 * result.statistics.steps
     mass = np.pi * 25e-6 * 1200.0 * np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-    # The impulse is a sum of trapezoids through blows.
-    assert carried(result, rope, table, mass) == pytest.approx(1.0, abs=3e-3)
+    # The impulse is a sum of trapezoids through blows; with little damping the rope bounces all the time.
+    assert carried(result, rope, table, mass) == pytest.approx(1.0, abs=1e-2)
 
 
 def test_a_sheet_slides_on_a_sloping_sheet(record):

@@ -485,14 +485,14 @@ def test_winches_haul_lines_that_yield(tension_only: bool) -> None:
         return pl.simulate(model, duration=1.0, step=step)
 
     gaps = []
-    for step in (1e-3, 5e-4):
+    for step in (1e-3, 1.25e-4):
         result = run(step)
         energy = result.energy
         assert result.strain("line").plastic[-1].max() > 1e-3
         gaps.append(np.abs(energy.total - energy.total[0]).max() / energy.dissipated[-1])
-    # Second order in the step.
-    assert gaps[1] < 1e-3
-    assert gaps[1] < gaps[0] / 2.5
+    # Second order in the step on the whole; where the line goes slack steps are cut, and it is irregular.
+    assert gaps[0] < 1e-3
+    assert gaps[1] < gaps[0] / 2.5**3
 
 
 def test_pretension_beyond_yielding() -> None:
