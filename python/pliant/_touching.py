@@ -98,9 +98,9 @@ class Touching(Actuation):
         stiffness : float, optional
             Force per penetration: per length of a cable or beam [N/m^2], per area of a shell or membrane
             [N/m^3], at a point of a rigid body or mass [N/m]. None: of lines, also on surfaces, as stiff as
-            two round bars of these materials that cross; of surfaces E/t, a layer of the material; of a mass
-            on a surface as stiff as the layer under it; of rigid bodies such that the lighter one sinks in by
-            a thousandth of its size under its weight.
+            two round bars of these materials that cross; of surfaces E/t, a layer of the material, E no more
+            than 20 MPa; of a mass on a surface as stiff as the layer under it; of rigid bodies such that the
+            lighter one sinks in by a thousandth of its size under its weight.
         damping : float, optional
             Hunt-Crossley [s/m]: the force times 1 + damping x approach speed, never pulling; None: 3.
         friction : LuGre or Coulomb, optional
