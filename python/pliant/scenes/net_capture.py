@@ -64,7 +64,7 @@ def net_capture(
     touches_itself : bool
         Whether ropes of the net touch each other.
     stiffness : float, optional
-        Of the contact [N/m^2]; None: as stiff as nylon, a hundred times more, which takes half as long again.
+        Of the contact [N/m^2]; None: as stiff as nylon, a hundred times more, which takes longer.
     material : LinearElastic, optional
         None: nylon.
     elements : int
