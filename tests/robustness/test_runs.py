@@ -23,12 +23,37 @@ def string_hit_by_a_ball(step: float) -> pl.Result:
         return pl.simulate(model, duration=0.05, step=step, threads=1)
 
 
-def test_energy_from_nowhere_is_an_error_that_keeps_the_result():
-    # The step is far too long for the waves of the blow: megajoules come out of 157 J, and Newton converges.
-    with pytest.raises(pl.ConvergenceError, match=r"nowhere|no convergence") as caught:
-        string_hit_by_a_ball(1e-3)
-    assert len(caught.value.result.time) >= 1
-    assert np.all(np.isfinite(caught.value.result.energy.total))
+@pytest.mark.parametrize(("step", "lost"), [(5e-3, 0.08), (2e-3, 0.04), (1e-3, 0.02)])
+def test_a_blow_in_long_steps_makes_no_energy(step, lost):
+    # The steps are far too long for the waves of the blow: megajoules came out of 157 J, and Newton converged. What
+    # the scheme takes from the waves falls with the step.
+    result = string_hit_by_a_ball(step)
+    total = result.energy.total
+    assert result.statistics.rejected > 0
+    assert total.max() < 1.001 * total[0]
+    assert total[-1] > (1 - lost) * total[0]
+
+
+@pytest.mark.parametrize("radius", [2e-3, 5e-4])
+@pytest.mark.parametrize("elements", [20, 100])
+@pytest.mark.parametrize(("height", "time"), [(0.5, 0.2), (1.0, 0.1), (-0.5, 0.1)])
+def test_a_whip_of_nylon_makes_no_energy(radius, elements, height, time):
+    # Undamped, its handle thrown up and down within a tenth of a second, at a millisecond: waves along the line would
+    # ask for microseconds. Steps used to converge to motions of a hundred times the energy.
+    model = pl.Model(gravity=(0, 0, -9.81))
+    nylon = pl.LinearElastic(youngs_modulus=2.5e9, poisson_ratio=0.4, density=1150.0)
+    line = model.add_cable(
+        [(0, 0, 0), (2, 0, 0)], elements=elements, section=pl.Circle(radius), material=nylon
+    )
+    model.drive(
+        line.start, position=lambda t: (0.0, 0.0, height * np.sin(np.pi * min(t, time) / time) ** 4)
+    )
+    result = pl.simulate(model, duration=2 * time, step=1e-3, threads=1)
+    energy = result.energy
+    made = energy.kinetic + energy.elastic + energy.gravitational - energy.work
+    in_play = np.maximum.accumulate(energy.kinetic + np.abs(energy.gravitational - energy.gravitational[0]))
+    assert np.all(made - made[0] <= 0.05 * in_play.max())
+    assert result.statistics.rejected < 20 * len(result.time)
 
 
 def test_the_same_blow_in_short_steps_keeps_its_energy():

@@ -3,6 +3,7 @@
 use crate::contact_coupling::memory::ContactMemory;
 use crate::latches::Switch;
 use crate::model::{Model, PlacedJoint};
+use crate::system::Liveliest;
 use crate::winch::Pace;
 use pliant_dae::error::Error;
 use pliant_dae::problem::Point;
@@ -65,6 +66,8 @@ pub struct Memory {
     pub(crate) pace: Pace,
     /// The same when the tangent was last asked for.
     pace_at_tangent: Pace,
+    /// The liveliest motion so far.
+    pub(crate) liveliest: Liveliest,
     /// What contact remembers, and what it did when the tangent was last asked for.
     pub(crate) contact: ContactMemory,
     contact_at_tangent: ContactMemory,

@@ -11,6 +11,11 @@ use pliant_elements::materials::Regime;
 use pliant_elements::{Block, CableBlock, Motion, Strain};
 use std::collections::HashSet;
 
+/// Part of energies that cancel which is rounding.
+const CANCELLED: f64 = 1e-9;
+/// Square of strains that are rounding.
+const HUM: f64 = 1e-20;
+
 impl Model {
     /// Kinetic, elastic and gravitational energy [J]; the last is zero at the origin.
     #[must_use]
@@ -39,6 +44,12 @@ impl Model {
             energy[2] += body.gravitational_energy(q, self.gravity);
         }
         energy
+    }
+
+    /// What is rounding in sums of energies that hold so much elastic and gravitational energy [J]: large ones cancel, and stiff lines
+    /// at rest hum.
+    pub(crate) fn rounding_of_energy(&self, elastic: f64, gravitational: f64) -> f64 {
+        CANCELLED * (elastic.abs() + gravitational.abs()) + HUM * self.axial_energy
     }
 
     /// Linear momentum [kg m/s] and angular momentum about the origin [kg m^2/s].

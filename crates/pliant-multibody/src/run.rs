@@ -95,8 +95,6 @@ pub struct Balance {
 const LARGEST_GAIN: f64 = 0.5;
 /// Steps after which energy is looked at where nothing is recorded.
 const CHECKED: u64 = 100;
-/// Square of strains that are rounding: stiff lines at rest hum with as much.
-const ROUNDING: f64 = 1e-20;
 
 impl Balance {
     /// Notes kinetic, elastic and gravitational energy at the start.
@@ -118,9 +116,7 @@ impl Balance {
         let now = kinetic + elastic.max(elastic_0) + rise + work.abs();
         let gain = total - self.start;
         self.scale = self.scale.max(now);
-        // Rounding in large energies that cancel is no gain.
-        let floor = 1e-9 * (elastic_0.abs() + gravitational_0.abs()) + rounding;
-        if gain <= LARGEST_GAIN * self.scale + floor {
+        if gain <= LARGEST_GAIN * self.scale + rounding {
             return Ok(());
         }
         Err(format!(
@@ -443,7 +439,8 @@ impl Run {
 
     /// The same for kinetic, elastic and gravitational energy, and work.
     fn check_balance(&mut self, energy: [f64; 4]) -> Result<(), Error> {
-        let rounding = ROUNDING * self.integrator.problem().model().axial_energy;
+        let [elastic, gravitational] = self.balance.potential;
+        let rounding = self.integrator.problem().model().rounding_of_energy(elastic, gravitational);
         let t = self.integrator.state().t;
         self.balance.check(energy, rounding).map_err(|message| {
             let source = EvaluationError { message, recoverable: false };

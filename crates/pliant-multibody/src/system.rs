@@ -4,6 +4,7 @@ mod chambers;
 mod contact;
 mod forces;
 mod growth;
+mod judge;
 mod lengths;
 mod plastic;
 mod time;
@@ -16,11 +17,12 @@ use crate::error::ModelError;
 use crate::forces::Part;
 use crate::joints::Joint;
 use crate::latches::{CLOSE, Joints, Scheduled, Switch};
-use crate::memory::{Memory, work};
+use crate::memory::Memory;
 use crate::model::{Model, PlacedForce};
 use crate::signal::Moment;
 use forces::{Room, gather};
 pub use growth::{Chosen, Growth};
+pub use judge::Liveliest;
 use pliant_dae::error::Error;
 use pliant_dae::linear_solver::LinearSolver;
 use pliant_dae::problem::{EvaluationError, Kinks, Point, Problem, Weights};
@@ -81,7 +83,7 @@ pub struct System {
     coupled: Coupled,
     /// Time and energy of the last accepted point.
     noted_energy: Option<(f64, [f64; 3])>,
-    judged: contact::Judged,
+    judged: judge::Judged,
 }
 
 impl System {
@@ -117,7 +119,7 @@ impl System {
             search: Search::default(),
             coupled,
             noted_energy: None,
-            judged: contact::Judged::default(),
+            judged: judge::Judged::default(),
         }
     }
 
@@ -708,15 +710,14 @@ impl Problem for System {
         self.other_tangents(Point { v: at.a, ..at }, weights, values);
     }
 
-    /// Lines must not have passed through each other, nor contact have made energy: a step that is long beside its
-    /// period can, while Newton's iteration converges well.
+    /// Bodies must not have passed through each other, nor may the step have made energy.
     fn judge(
         &mut self,
         before: Point<'_>,
         after: Point<'_>,
         part: f64,
     ) -> Result<(), EvaluationError> {
-        self.judge_contact(before, after, part)
+        self.judge_step(before, after, part)
     }
 
     fn way(&mut self, q: &[f64], increment: &[f64]) -> (f64, Option<String>) {
@@ -802,37 +803,19 @@ impl Problem for System {
     /// ends says nothing about the time between.
     fn accept(&mut self, before: Point<'_>, after: Point<'_>) {
         self.memory.audit.dissipated += self.plastic_work(after);
-        let judged = std::mem::take(&mut self.judged);
-        if let Some((_, lost, noted)) = judged.loss.filter(|&(t, ..)| t == after.t) {
+        if self.has_damping() {
+            let known = self.judged.loss.take().filter(|&(t, ..)| t == after.t);
+            let noted = std::mem::take(&mut self.memory.damping);
+            let (_, lost, noted) = known.unwrap_or_else(|| self.loss_of_step(noted, before, after));
             self.memory.audit.dissipated += lost;
             self.memory.damping = noted;
-        } else if self.has_damping() {
-            let mut noted = std::mem::take(&mut self.memory.damping);
-            let mut forces = std::mem::take(&mut self.forces);
-            self.memory.audit.dissipated +=
-                work(&mut noted, &mut forces, before, after, |at, force| {
-                    // Inputs that fail here have failed in the step itself.
-                    if self.refresh(at.t).is_ok() {
-                        self.damping_forces(at.t, at.q, at.v, force);
-                    }
-                });
-            (self.memory.damping, self.forces) = (noted, forces);
         }
         if self.model.has_work() {
-            if let Some((_, work, noted)) = judged.work.filter(|&(t, ..)| t == after.t) {
-                self.memory.audit.work += work;
-                self.memory.loads = noted;
-            } else {
-                let mut noted = std::mem::take(&mut self.memory.loads);
-                let mut forces = std::mem::take(&mut self.forces);
-                self.memory.audit.work +=
-                    work(&mut noted, &mut forces, before, after, |at, force| {
-                        if self.refresh(at.t).is_ok() {
-                            self.working_forces(at, force);
-                        }
-                    });
-                (self.memory.loads, self.forces) = (noted, forces);
-            }
+            let known = self.judged.work.take().filter(|&(t, ..)| t == after.t);
+            let noted = std::mem::take(&mut self.memory.loads);
+            let (_, work, noted) = known.unwrap_or_else(|| self.work_of_step(noted, before, after));
+            self.memory.audit.work += work;
+            self.memory.loads = noted;
             let potential = self.changing_energy(after.t, after.q, after.v);
             self.memory.audit.work += potential - self.memory.potential;
             self.memory.potential = potential;

@@ -60,8 +60,6 @@ pub struct ContactMemory {
     pub totals: Vec<[f64; 6]>,
     /// Where lines touch.
     pub patches: Vec<PatchRecord>,
-    /// Largest energy in motion and in contact so far [J].
-    pub peak: f64,
     /// Of bodies other than lines.
     pub probes: ProbeMemory,
 }
