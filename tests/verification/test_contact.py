@@ -429,3 +429,24 @@ def test_a_bundle_holds_together(record):
     # Impulses of ground and gravity are the change of momentum: trapezoid over steps of 1 ms through blows.
     gap = momentum[2] + impulse[2] + weight * 0.3
     assert record("bundle, impulse balance over the weight's", gap / (weight * 0.3), 0.0, 0.01)
+
+
+@pytest.mark.parametrize("friction", [None, pl.LuGre(static=0.5, dynamic=0.4), pl.Coulomb(0.4)])
+@pytest.mark.parametrize("lifted", [0.0, 0.03])
+def test_a_rope_that_has_come_to_rest_takes_an_iteration_a_step(friction, lifted):
+    # A gap that is the same all along is largest anywhere: zones cut there shook the rope by friction, for ever, and
+    # Newton's iteration cycled among them.
+    model = pl.Model(gravity=(0, 0, -9.81))
+    rubber = pl.LinearElastic(5e6, 0.4, 1200.0, retardation_time=1e-3)
+    line = [(0, 0, 0.006), (1, 0, 0.006 + lifted)]
+    rope = model.add_cable(line, elements=20, section=pl.Circle(5e-3), material=rubber)
+    model.add_contact(rope, model.add_obstacle(pl.HalfSpace()), friction=friction)
+    stepper = pl.Stepper(model, step=1e-3, threads=1)
+    stepper.advance(900)
+    before = stepper.statistics
+    stepper.advance(100)
+    after = stepper.statistics
+    assert stepper.energy.kinetic < (1e-26 if friction else 1e-18)
+    assert after.newton_iterations - before.newton_iterations <= 220
+    assert after.factorizations - before.factorizations <= 10
+    assert after.rejected == before.rejected

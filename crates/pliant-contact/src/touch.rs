@@ -324,18 +324,6 @@ impl Master<'_> {
         out.extend(spans.filter(|&(a, c)| c > a && wanted(0.5 * (a + c))));
     }
 
-    /// A zone in stretches.
-    fn stretches(&self, slave: &Piece, zone: (f64, f64)) -> Vec<Stretch> {
-        Stretch::of(slave, zone, |xi| {
-            let q = slave.at(xi);
-            let normal = match self {
-                Self::Shape(shape) => shape.value_and_normal(q).1,
-                Self::Line(master, _) => q - master.at(master.nearest(q)),
-            };
-            normal.dot(&slave.slope(xi))
-        })
-    }
-
     fn bounds(&self, slave: &Piece) -> Bounds {
         let (reach, least) = match self {
             Self::Shape(shape) => (slave.radius() + shape.shape.reach(), slave.radius()),
@@ -426,8 +414,9 @@ impl Master<'_> {
             return;
         }
         let zones = self.zones_near(slave);
-        for stretch in zones.into_iter().flat_map(|zone| self.stretches(slave, zone)) {
-            let Stretch { zone, tops } = stretch;
+        let stretches = |zone| Stretch::of(slave, zone, |xi| self.sample(slave, xi));
+        for stretch in zones.into_iter().flat_map(stretches) {
+            let Stretch { zone, tops, .. } = stretch;
             let points = stretch.spots(slave).map(|Spot { xi, part, weight }| {
                 let (place, eta) = self.face(slave, xi, weight);
                 Point { place, xi, eta, part }

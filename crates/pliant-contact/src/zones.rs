@@ -97,9 +97,13 @@ pub const POINTS: usize = 5;
 /// rule resolves the ramp of the normal force. Three points are five per cent off, five 0.6 per cent at most.
 const RULE: Rule<POINTS> = GAUSS_5;
 
-/// Length, in radii, from which on zones are looked at for places where they may part, and how many places.
-const WIDE: f64 = 4.0;
+/// Length, in radii, from which on zones are looked at for places where they may part, and that from which on they are
+/// cut there as a whole; number of places.
+const WIDE: (f64, f64) = (4.0, 6.0);
 const SAMPLES: usize = 8;
+/// Depth where the gap is largest, in parts of that on the shallower side, at which a zone is cut there as a whole, and
+/// from which on it is not.
+const PARTING: (f64, f64) = (0.4, 0.8);
 
 /// A zone, or a part of one, with points that carry its force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,6 +112,8 @@ pub struct Stretch {
     pub zone: (f64, f64),
     /// Whether either end is a place where the gap is largest.
     pub tops: [bool; 2],
+    /// Part of the force that its points carry.
+    pub share: f64,
 }
 
 /// A point of a stretch.
@@ -121,34 +127,71 @@ pub struct Spot {
     pub weight: f64,
 }
 
+/// A smooth step from 0 at the first to 1 at the second place.
+fn step(x: f64, (from, to): (f64, f64)) -> f64 {
+    let x = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
 impl Stretch {
-    /// A zone in stretches, cut where the gap, which has this slope by xi, is largest in between: there zones join and
-    /// part, and their points with them. Where two become one, all at once, the force would jump by what the points of
-    /// the one leave out.
+    /// A zone in stretches, cut where it is about to part: where the gap is largest in between. Where two zones become
+    /// one, all at once, the force would jump by what the points of the one leave out. So that it does not jump where
+    /// such a place comes up either, points of the zone as a whole hand over to those of its parts while it does. A
+    /// line that lies on something is not cut: its gap is largest anywhere, and friction would not find rest.
     #[must_use]
-    pub fn of(slave: &Piece, zone: (f64, f64), mut slope: impl FnMut(f64) -> f64) -> Vec<Self> {
+    pub fn of(slave: &Piece, zone: (f64, f64), mut sample: impl FnMut(f64) -> Sample) -> Vec<Self> {
         let width = zone.1 - zone.0;
-        if width * slave.length() < WIDE * slave.radius() {
-            return vec![Self { zone, tops: [false; 2] }];
+        let wide = step(width * slave.length() / slave.radius(), WIDE);
+        let mut cuts = if wide > 0.0 { Self::cuts(zone, &mut sample) } else { Vec::new() };
+        for (_, parted) in &mut cuts {
+            *parted *= wide;
         }
-        let mut cuts = vec![zone.0];
-        let mut last = (zone.0, slope(zone.0));
+        let mut levels: Vec<f64> = cuts.iter().map(|&(_, parted)| parted).collect();
+        levels.push(1.0);
+        levels.push(0.0);
+        levels.sort_unstable_by(|a, b| b.total_cmp(a));
+        let mut all = Vec::new();
+        // What is cut up to one level hands over to what is cut up to the next.
+        for pair in levels.windows(2) {
+            let share = pair[0] - pair[1];
+            if share > 0.0 {
+                let here = cuts.iter().filter(|cut| cut.1 >= pair[0]).map(|cut| cut.0);
+                let ends: Vec<f64> = [zone.0].into_iter().chain(here).chain([zone.1]).collect();
+                let last = ends.len() - 2;
+                all.extend(ends.windows(2).enumerate().map(|(k, ends)| Self {
+                    zone: (ends[0], ends[1]),
+                    tops: [k > 0, k < last],
+                    share,
+                }));
+            }
+        }
+        all
+    }
+
+    /// Places where the gap is largest within a zone, and how far it has parted there, 0 to 1.
+    fn cuts(zone: (f64, f64), sample: &mut impl FnMut(f64) -> Sample) -> Vec<(f64, f64)> {
+        let width = zone.1 - zone.0;
+        let samples: [Sample; SAMPLES + 1] =
+            std::array::from_fn(|k| sample(zone.0 + width * k as f64 / SAMPLES as f64));
+        let deepest = |side: &[Sample]| -side.iter().fold(0.0, |gap, s| s.gap.min(gap));
+        let mut cuts = Vec::new();
+        let mut last = 0;
         for k in 1..=SAMPLES {
-            let xi = zone.0 + width * k as f64 / SAMPLES as f64;
-            let next = (xi, slope(xi));
-            if last.1 > 0.0 && next.1 < 0.0 {
-                cuts.push(root(&mut slope, last, next, END));
+            let ends = [last, k].map(|k| (samples[k].xi, samples[k].slope));
+            if ends[0].1 > 0.0 && ends[1].1 < 0.0 {
+                let top = root(|xi| sample(xi).slope, ends[0], ends[1], END);
+                let shallower = deepest(&samples[..=last]).min(deepest(&samples[k..]));
+                let depth = -sample(top).gap;
+                if depth < PARTING.1 * shallower {
+                    cuts.push((top, 1.0 - step(depth / shallower, PARTING)));
+                }
             }
             // A sample may hit the very place.
-            if next.1 != 0.0 {
-                last = next;
+            if ends[1].1 != 0.0 {
+                last = k;
             }
         }
-        cuts.push(zone.1);
-        let end = cuts.len() - 1;
-        (0..end)
-            .map(|k| Self { zone: (cuts[k], cuts[k + 1]), tops: [k > 0, k + 1 < end] })
-            .collect()
+        cuts
     }
 
     /// Its points.
@@ -158,7 +201,7 @@ impl Stretch {
         RULE.pairs().map(|(part, w)| Spot {
             xi: self.zone.0 + part * width,
             part,
-            weight: w * width * slave.length(),
+            weight: w * width * slave.length() * self.share,
         })
     }
 }

@@ -11,7 +11,7 @@ use pliant_contact::normal::Normal;
 use pliant_contact::point::{Blocks, Laws, Motion};
 use pliant_contact::shapes::{Placed, Shape};
 use pliant_contact::touch::{Master, Patch};
-use pliant_contact::zones::Stretch;
+use pliant_contact::zones::{Sample, Stretch};
 use proptest::prelude::*;
 
 fn piece(a: Vector3<f64>, t: Vector3<f64>, b: Vector3<f64>, u: Vector3<f64>, radius: f64) -> Piece {
@@ -269,13 +269,46 @@ fn stretches_are_cut_where_the_gap_is_largest() {
     let slave = straight(Vector3::zeros(), Vector3::x(), 1e-2);
     // At a sample, exactly; between two; at neither, for a gap that has its least there.
     for top in [0.5, 0.53] {
-        let cut = Stretch::of(&slave, (0.0, 1.0), |xi| top - xi);
+        let peak = |xi: f64| Sample { xi, gap: -(xi - top).powi(2), slope: -2.0 * (xi - top) };
+        let cut = Stretch::of(&slave, (0.0, 1.0), peak);
         assert_eq!(cut.len(), 2, "{cut:?}");
         assert!((cut[0].zone.1 - top).abs() < 1e-12 && cut[0].zone.1 == cut[1].zone.0, "{cut:?}");
         assert_eq!((cut[0].tops, cut[1].tops), ([false, true], [true, false]));
-        assert_eq!(Stretch::of(&slave, (0.0, 1.0), |xi| xi - top).len(), 1);
+        let valley = |xi: f64| Sample { gap: -1.0 - peak(xi).gap, slope: -peak(xi).slope, xi };
+        assert_eq!(Stretch::of(&slave, (0.0, 1.0), valley).len(), 1);
     }
-    assert_eq!(Stretch::of(&slave, (0.0, 1.0), |_| 0.0).len(), 1);
+    assert_eq!(Stretch::of(&slave, (0.0, 1.0), |xi| Sample { xi, gap: 0.0, slope: 0.0 }).len(), 1);
+}
+
+#[test]
+fn stretches_hand_over_while_a_zone_parts() {
+    let slave = straight(Vector3::zeros(), Vector3::x(), 1e-2);
+    // Two waves of different height: depth / radius 1 at the ends, `a` and `b` where they are largest.
+    let integral = |a: f64, b: f64| {
+        let wave = |xi: f64| {
+            let height = if xi < 0.5 { 1.0 - a } else { 1.0 - b };
+            let x = 4.0 * std::f64::consts::PI * xi;
+            let (gap, slope) = (-1.0 + 0.5 * height * (1.0 - x.cos()), 0.5 * height * x.sin());
+            Sample { xi, gap, slope: slope * 4.0 * std::f64::consts::PI }
+        };
+        let all = Stretch::of(&slave, (0.0, 1.0), wave);
+        let length: f64 = all.iter().map(|s| (s.zone.1 - s.zone.0) * s.share).sum();
+        assert!((length - 1.0).abs() < 1e-14, "{all:?}");
+        let spots = all.iter().flat_map(|s| s.spots(&slave));
+        // What a ramp of the normal force leaves.
+        spots.map(|spot| spot.weight * (-wave(spot.xi).gap).sqrt()).sum::<f64>()
+    };
+    // From a line that lies flat to one that has parted twice, nothing jumps.
+    let mut last = integral(1.0, 1.0);
+    for k in 1..=1000 {
+        let b = 1.0 - 1e-3 * f64::from(k);
+        let now = integral(b * b, b);
+        assert!((now - last).abs() < 1.5e-3, "{b}: {last} {now}");
+        last = now;
+    }
+    // Where all is nearly as deep, nothing is cut, wherever it is largest.
+    let nearly = |xi: f64| Sample { xi, gap: -1.0 + 1e-9 * (1.0 - xi * xi), slope: -2e-9 * xi };
+    assert_eq!(Stretch::of(&slave, (-1.0, 1.0), nearly).len(), 1);
 }
 
 fn normal_force(slave: &Piece, master: &Master<'_>, k: f64) -> (f64, Vec<Patch>) {

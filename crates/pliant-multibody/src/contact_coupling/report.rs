@@ -38,23 +38,26 @@ impl Zone {
         }
     }
 
-    /// Whether another one begins where this one ends.
+    /// Whether another one begins on this one, or where it ends.
     fn leads_to(&self, next: &Self) -> bool {
-        let (here, there) = (self.ends[1], next.ends[0]);
+        let ([first, last], there) = (self.ends, next.ends[0]);
+        let slack = 1e-9 * (1.0 + last.0.abs());
+        let width = last.0 - first.0;
+        let part = if width > 0.0 { (there.0 - first.0) / width } else { 1.0 };
+        let master = first.1 + (last.1 - first.1) * part;
         self.contact == next.contact
             && !self.is_end
             && !next.is_end
-            && (there.0 - here.0).abs() <= 1e-9 * (1.0 + here.0.abs())
-            && (there.1 - here.1).abs() <= 4.0 * self.radius
+            && (first.0 - slack..=last.0 + slack).contains(&there.0)
+            && (there.1 - master).abs() <= 4.0 * self.radius
     }
 
-    /// Takes up one that ends where this one begins, or begins where this one ends.
+    /// Takes up one that runs on from this one, or leads here.
     fn join(&mut self, other: &Self) {
-        if other.leads_to(self) {
-            self.ends[0] = other.ends[0];
-        } else {
-            self.ends[1] = other.ends[1];
-        }
+        let ends = |k: usize| [self.ends[k], other.ends[k]].into_iter();
+        let least = ends(0).min_by(|a, b| a.0.total_cmp(&b.0));
+        let most = ends(1).max_by(|a, b| a.0.total_cmp(&b.0));
+        self.ends = [least.unwrap_or(self.ends[0]), most.unwrap_or(self.ends[1])];
         self.weighted += other.weighted;
         self.normal += other.normal;
         self.friction += other.friction;

@@ -560,7 +560,7 @@ impl Here<'_> {
             zones(|xi| self.least(&over, xi).gap, (0.0, 1.0), &bounds)
         });
         for zone in zones {
-            for stretch in Stretch::of(&over.piece, zone, |xi| self.least(&over, xi).slope) {
+            for stretch in Stretch::of(&over.piece, zone, |xi| self.least(&over, xi)) {
                 self.stretch(&over, &stretch, out);
             }
         }
