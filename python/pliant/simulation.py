@@ -70,7 +70,8 @@ def simulate(
     start : Result, State or path, optional
         The run begins at the last state of a result, at ``result.state(i)``, or where the file of a result or
         a checkpoint ends, at time 0. Bodies must be the same, loads and joints may differ. A static result
-        gives the positions; the velocities are those of the bodies.
+        gives the positions; the velocities are those of the bodies. What friction remembers begins anew: what
+        was held by it slips until the bristles have bent again (:func:`pliant.resume` goes on with them).
     spectral_radius : float, optional
         Numerical damping: 1 damps nothing, 0 most; 0.8 by default, 0.5 with contact. At most 0.98 with
         constraints.

@@ -168,3 +168,24 @@ def test_a_strip_that_touches_itself_is_pinched(radius, record):
         points = np.array([patch.point for patch in state.contacts[-1]])
         assert np.abs(points[:, 0] - (1 - shortening) / 2).max() < 1e-6
         assert np.abs(points[:, 1] - half(known)[0][3]).max() < 1e-3
+
+
+def test_the_gap_beside_a_knot_is_that_of_what_presses():
+    # Two ropes of a net close in a narrow V: what lies within three sums of the radii of their knot does not count,
+    # in the force or in the gap, which at the knot itself would be minus two radii.
+    rope = pl.LinearElastic(5e8, 0.4, 950.0, retardation_time=1e-3)
+    radius = 1.5e-3
+    model = pl.Model()
+    net = model.add_cable_net(
+        [(0, 0, 0), (0.2, 0.04, 0), (0.2, -0.04, 0)],
+        [(0, 1), (0, 2)],
+        elements=4,
+        section=pl.Circle(radius),
+        material=rope,
+        velocity=lambda x: np.stack([0 * x[:, 0], -x[:, 0] / 0.2 * np.sign(x[:, 1]), 0 * x[:, 0]], 1),
+    )
+    model.add_contact(net)
+    result = pl.simulate(model, duration=0.02, step=1e-3, threads=1)
+    gaps = [patch.gap for row in result.contacts for patch in row]
+    assert len(gaps) > 5
+    assert min(gaps) > -0.4 * radius

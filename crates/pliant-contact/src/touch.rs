@@ -38,8 +38,8 @@ pub struct Patch {
     pub verges: [Option<Verge>; 2],
     /// xi of the feet on the master at both ends; 0 on shapes.
     pub etas: [f64; 2],
-    /// The gap at both ends.
-    ends: [Sample; 2],
+    /// The gap at both ends, where something of the force is left there.
+    ends: [Option<Sample>; 2],
     points: [Point; POINTS],
     count: usize,
 }
@@ -51,32 +51,35 @@ impl Patch {
         &self.points[..self.count]
     }
 
-    /// The smallest gap of the zone, between its points and its ends.
+    /// The smallest gap of the zone, between its points and its ends, where something of the force is left.
     #[must_use]
     pub fn least_gap(&self) -> f64 {
         let [first, last] = self.ends;
-        let mut samples = [first; POINTS + 2];
-        for (sample, point) in samples[1..].iter_mut().zip(self.points()) {
-            *sample = point.place.sample(point.xi);
-        }
-        samples[self.count + 1] = last;
-        least(&samples[..self.count + 2])
+        let points = self.points().iter().filter(|point| point.place.weight > 0.0);
+        let points = points.map(|point| point.place.sample(point.xi));
+        let samples: Vec<Sample> = first.into_iter().chain(points).chain(last).collect();
+        least(&samples)
     }
 
     /// The gap that one of its points is to show: the deepest that of the zone, the others their own.
     #[must_use]
     pub fn gap_at(&self, point: &Point) -> f64 {
-        let deepest = self.points().iter().all(|other| point.place.gap <= other.place.gap);
+        let mut pressed = self.points().iter().filter(|other| other.place.weight > 0.0);
+        let deepest = pressed.all(|other| point.place.gap <= other.place.gap);
         if deepest { self.least_gap() } else { point.place.gap }
     }
 
-    /// Leaves each point this share, 0 to 1, of the length that it stands for. Returns whether anything is left.
-    pub fn leave(&mut self, mut share: impl FnMut(&Point) -> f64) -> bool {
+    /// Leaves each point this share, 0 to 1, of the length that it stands for, by its xi on the slave and the master.
+    /// Returns whether anything is left.
+    pub fn leave(&mut self, share: impl Fn(f64, f64) -> f64) -> bool {
         let mut left = false;
         for point in &mut self.points[..self.count] {
-            let share = share(point);
+            let share = share(point.xi, point.eta);
             left |= share > 0.0;
             point.place.weight *= share;
+        }
+        for (end, eta) in self.ends.iter_mut().zip(self.etas) {
+            *end = end.filter(|sample| share(sample.xi, eta) > 0.0);
         }
         left
     }
@@ -422,7 +425,7 @@ impl Master<'_> {
                 Point { place, xi, eta, part }
             });
             let faced = [zone.0, zone.1].map(|xi| (self.face(slave, xi, 0.0), xi));
-            let ends = faced.map(|((place, _), xi)| place.sample(xi));
+            let ends = faced.map(|((place, _), xi)| Some(place.sample(xi)));
             let etas = faced.map(|((_, eta), _)| eta);
             let verges = [0, 1].map(|k| {
                 let ((place, _), xi) = faced[k];
@@ -455,7 +458,7 @@ impl Master<'_> {
                     zone: (xi, xi),
                     verges: [None; 2],
                     etas: [eta; 2],
-                    ends: [place.sample(xi); 2],
+                    ends: [Some(place.sample(xi)); 2],
                     points,
                     count: 1,
                 });

@@ -282,9 +282,8 @@ fn touch(
         Master::Shape(_) => [slave.strand; 2],
     };
     for mut patch in found.drain(..) {
-        let share = |point: &Place| {
-            let arc = |side: usize, at: f64| starts[side] + at * lengths[side];
-            contact.share([arc(0, point.xi), arc(1, point.eta)], strands)
+        let share = |xi: f64, eta: f64| {
+            contact.share([starts[0] + xi * lengths[0], starts[1] + eta * lengths[1]], strands)
         };
         if m == usize::MAX || patch.leave(share) {
             out.push(Touch { contact: number, slave: e, master: m, patch, starts, lengths });
