@@ -22,7 +22,7 @@ __all__ = ["smallest_eigenvalues"]
 
 DENSE = 360  # unknowns up to which the inverse is a dense matrix
 MOST_CONDITION = 1e13  # above it the stiffness counts as singular: something moves freely
-FREE_SHIFT = 1e-5  # first shift where something moves freely, relative to the fastest motion
+FREE_SHIFTS = np.array([1e-5, 1e-4, 1e-3])  # where something moves freely, relative to the fastest motion
 FREE = 1e-3  # part of the shift below which an eigenvalue is zero
 REDUNDANT = 1e-12
 
@@ -47,8 +47,10 @@ def smallest_eigenvalues(linear: Any, n: int, count: int) -> tuple[Any, Any]:
     found = _at_shift(pencil, 0.0, count)
     free = 0.0
     if found is None:
-        shift = FREE_SHIFT * scale
-        found = _at_shift(pencil, shift, count)
+        for shift in FREE_SHIFTS * scale:
+            found = _at_shift(pencil, shift, count)
+            if found is not None:
+                break
         if found is None:
             raise ConvergenceError("the modes were not found: mass and stiffness are singular together")
         free = FREE * shift
@@ -128,12 +130,17 @@ def _dense(pencil: Any, shift: float) -> Solve | None:
         diagonal = np.abs(np.diag(r))
         z = q[:, int(np.sum(diagonal > REDUNDANT * diagonal.max(initial=0.0))) :]
     inner = z.T @ ((shift**2 * mass + shift * damping + stiffness) @ z)
-    if not inner.size or np.linalg.cond(inner) > MOST_CONDITION:
+    # Beside a shift, what moves freely has no stiffness but that of its mass: units must not count.
+    size = np.sqrt(np.abs(np.diag(inner))) if shift else np.ones(len(inner))
+    if not inner.size or not size.all():
+        return None
+    inner = inner / np.outer(size, size)
+    if np.linalg.cond(inner) > MOST_CONDITION:
         return None
     factors = linalg.lu_factor(inner)
 
     def solve(b: FloatArray) -> FloatArray:
-        x: FloatArray = z @ linalg.lu_solve(factors, z.T @ b)
+        x: FloatArray = z @ (linalg.lu_solve(factors, ((z.T @ b).T / size).T).T / size).T
         return x
 
     return solve

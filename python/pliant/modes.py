@@ -98,7 +98,8 @@ def solve_modes(model: Model, count: int = 10, about: Result | State | PathLike 
     -------
     Modes
         ``frequencies`` [Hz], ``shapes``, ``eigenvalues`` [1/s], ``stable``, ``damping_ratios``. Damping of
-        the materials and loads that follow the motion (flutter) are part of it.
+        the materials and loads that follow the motion (flutter) are part of it, and what touches there, which
+        slides without friction.
 
     Examples
     --------

@@ -25,8 +25,8 @@ def string_hit_by_a_ball(step: float) -> pl.Result:
 
 @pytest.mark.parametrize(("step", "lost"), [(5e-3, 0.08), (2e-3, 0.04), (1e-3, 0.02)])
 def test_a_blow_in_long_steps_makes_no_energy(step, lost):
-    # The steps are far too long for the waves of the blow: megajoules came out of 157 J, and Newton converged. What
-    # the scheme takes from the waves falls with the step.
+    # The steps are far too long for the waves of the blow: Newton converges, and megajoules come out of 157 J.
+    # What the scheme takes from the waves falls with the step.
     result = string_hit_by_a_ball(step)
     total = result.energy.total
     assert result.statistics.rejected > 0
@@ -38,16 +38,14 @@ def test_a_blow_in_long_steps_makes_no_energy(step, lost):
 @pytest.mark.parametrize("elements", [20, 100])
 @pytest.mark.parametrize(("height", "time"), [(0.5, 0.2), (1.0, 0.1), (-0.5, 0.1)])
 def test_a_whip_of_nylon_makes_no_energy(radius, elements, height, time):
-    # Undamped, its handle thrown up and down within a tenth of a second, at a millisecond: waves along the line would
-    # ask for microseconds. Steps used to converge to motions of a hundred times the energy.
+    # Undamped, its handle thrown up and down within a tenth of a second, at a millisecond: waves along the
+    # line would ask for microseconds; longer steps converge to motions of a hundred times the energy.
     model = pl.Model(gravity=(0, 0, -9.81))
     nylon = pl.LinearElastic(youngs_modulus=2.5e9, poisson_ratio=0.4, density=1150.0)
     line = model.add_cable(
         [(0, 0, 0), (2, 0, 0)], elements=elements, section=pl.Circle(radius), material=nylon
     )
-    model.drive(
-        line.start, position=lambda t: (0.0, 0.0, height * np.sin(np.pi * min(t, time) / time) ** 4)
-    )
+    model.drive(line.start, position=lambda t: (0.0, 0.0, height * np.sin(np.pi * min(t, time) / time) ** 4))
     result = pl.simulate(model, duration=2 * time, step=1e-3, threads=1)
     energy = result.energy
     made = energy.kinetic + energy.elastic + energy.gravitational - energy.work

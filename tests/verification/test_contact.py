@@ -434,8 +434,8 @@ def test_a_bundle_holds_together(record):
 @pytest.mark.parametrize("friction", [None, pl.LuGre(static=0.5, dynamic=0.4), pl.Coulomb(0.4)])
 @pytest.mark.parametrize("lifted", [0.0, 0.03])
 def test_a_rope_that_has_come_to_rest_takes_an_iteration_a_step(friction, lifted):
-    # A gap that is the same all along is largest anywhere: zones cut there shook the rope by friction, for ever, and
-    # Newton's iteration cycled among them.
+    # A gap that is the same all along is largest anywhere: zones cut there would shake the rope by friction,
+    # for ever, and Newton's iteration cycle among them.
     model = pl.Model(gravity=(0, 0, -9.81))
     rubber = pl.LinearElastic(5e6, 0.4, 1200.0, retardation_time=1e-3)
     line = [(0, 0, 0.006), (1, 0, 0.006 + lifted)]

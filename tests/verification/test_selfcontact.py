@@ -171,8 +171,8 @@ def test_a_strip_that_touches_itself_is_pinched(radius, record):
 
 
 def test_the_gap_beside_a_knot_is_that_of_what_presses():
-    # Two ropes of a net close in a narrow V: what lies within three sums of the radii of their knot does not count,
-    # in the force or in the gap, which at the knot itself would be minus two radii.
+    # Two ropes of a net close in a narrow V: what lies within three sums of the radii of their knot does not
+    # count, in the force or in the gap, which at the knot itself would be minus two radii.
     rope = pl.LinearElastic(5e8, 0.4, 950.0, retardation_time=1e-3)
     radius = 1.5e-3
     model = pl.Model()

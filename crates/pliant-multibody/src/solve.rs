@@ -246,6 +246,7 @@ impl<'a> About<'a> {
         let mode = if self.load_factor { Mode::Static } else { Mode::Dynamic };
         let mut system = System::new(model.clone(), mode, inputs, false);
         system.keep_elastic();
+        system.leave_out_friction();
         system.set_growth(Growth { chosen: self.chosen.cloned(), fading: Vec::new() });
         system.begin(self.t, self.q.unwrap_or(&model.initial_q));
         let mut force = vec![0.0; model.coordinates()];
@@ -320,7 +321,7 @@ pub fn linear(
     let parts = [0, 1, 2, 3].map(|part| {
         let mut only = [0.0; 4];
         only[part] = 1.0;
-        let mut values = vec![0.0; model.structure.values()];
+        let mut values = vec![0.0; system.structure().values()];
         system.tangent(at, weights(only), &mut values);
         values
     });
@@ -328,7 +329,8 @@ pub fn linear(
     for chamber in &model.chambers {
         linear.borders.extend(chamber.stiffness_root(at.q, at.lambda_[chamber.multiplier]));
     }
-    let structure = &model.structure;
+    // With what touches there: the first tangent brought it in.
+    let structure = system.structure();
     for e in 0..structure.elements() {
         let unknowns: Vec<usize> = structure.element_unknowns(e).collect();
         let n = unknowns.len();

@@ -84,6 +84,8 @@ pub struct System {
     /// Time and energy of the last accepted point.
     noted_energy: Option<(f64, [f64; 3])>,
     judged: judge::Judged,
+    /// Whether bodies in contact slide freely.
+    frictionless: bool,
 }
 
 impl System {
@@ -120,6 +122,7 @@ impl System {
             coupled,
             noted_energy: None,
             judged: judge::Judged::default(),
+            frictionless: false,
         }
     }
 

@@ -32,7 +32,12 @@ impl System {
     }
 
     fn at_rest(&self) -> bool {
-        self.mode == Mode::Static
+        self.mode == Mode::Static || self.frictionless
+    }
+
+    /// Lets bodies in contact slide: small motions about a state at rest do not see friction.
+    pub(crate) fn leave_out_friction(&mut self) {
+        self.frictionless = true;
     }
 
     /// Adds what contact adds to the inner forces.
