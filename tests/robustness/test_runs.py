@@ -25,7 +25,7 @@ def string_hit_by_a_ball(step: float) -> pl.Result:
 
 @pytest.mark.parametrize(("step", "lost"), [(5e-3, 0.08), (2e-3, 0.04), (1e-3, 0.02)])
 def test_a_blow_in_long_steps_makes_no_energy(step, lost):
-    # The steps are far too long for the waves of the blow: Newton converges, and megajoules come out of 157 J.
+    # The steps are far too long for the waves of the blow: Newton converges, megajoules come out of 157 J.
     # What the scheme takes from the waves falls with the step.
     result = string_hit_by_a_ball(step)
     total = result.energy.total
