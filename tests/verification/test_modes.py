@@ -61,8 +61,8 @@ def test_a_taut_string_vibrates_at_its_wave_speed(record):
 
 
 def test_what_touches_takes_part_in_modes(record):
-    # A rope and a ball rest on the ground by their weight. The law is a ramp, p = k d^2/(2 d_0): its slope at the
-    # depth that carries the weight is k d/d_0. Friction holds nothing.
+    # A rope and a ball rest on the ground by their weight. The law is a ramp, p = k d^2/(2 d_0): its
+    # slope at the depth that carries the weight is k d/d_0. Friction holds nothing.
     rest, radius, stiffness = 9.81, 5e-3, 1e6
     model = pl.Model(gravity=(0, 0, -rest))
     ground = model.add_obstacle(pl.HalfSpace())
