@@ -103,6 +103,51 @@ def test_a_ball_bounces_as_hunt_and_crossley_say(c, record):
     )
 
 
+@pytest.mark.parametrize(("restitution", "c_v"), [(0.9, 0.167), (0.5, 1.433), (0.2, 4.919)])
+def test_damping_for_a_restitution_is_that_of_the_table(restitution, c_v, record):
+    v_0 = 2.0
+    model, body = on_the_ground(
+        pl.Sphere(0.1), lift=0.1, velocity=(0, 0, -v_0), stiffness=1e6, damping=c_v / v_0
+    )
+    result = pl.simulate(model, duration=0.02, step=5e-5)
+    # Weight acts during the blow of 3 ms: 0.015 of the speed, half of it each way.
+    v = result.track(body.center).velocity[:, 2]
+    e = v[np.argmax(result.contact_force(body)[1:, 2] == 0) + 1] / v_0
+    assert record(f"damping for a restitution of {restitution}", e, restitution, 0.015, source="closed form")
+
+
+@pytest.mark.parametrize(("height", "step"), [(0.125, 2e-3), (0.16, 1e-3)])
+def test_an_elastic_ball_keeps_its_energy(height, step, record):
+    model, body = on_the_ground(pl.Sphere(0.02), lift=height, damping=0.0)
+    result = pl.simulate(model, duration=2.0, step=step)
+    energy = result.energy.total / result.energy.kinetic.max()
+    flies = result.contact_force(body)[:, 2] == 0
+    # A step may leave out 3e-3 of what changes hands, which in a blow is twice the energy of the ball.
+    change = np.abs(np.diff(energy[flies])).max()
+    assert record(f"elastic ball let go at {height} m, steps of {step} s, energy", 1 + change, 1.0, 0.01)
+
+
+def test_boxes_with_flush_sides_stand_as_those_beside_each_other():
+    def stairs(aside):
+        model = pl.Model(gravity=(0, 0, -GRAVITY))
+        ground = model.add_obstacle(pl.HalfSpace())
+        boxes = [
+            model.add_rigid_body(
+                density=500.0,
+                shape=pl.Box((0.2, 0.2, 0.1)),
+                position=(0.01 * k, aside * k, 0.051 + 0.101 * k),
+            )
+            for k in range(3)
+        ]
+        model.add_contacts([*boxes, ground], friction=pl.Coulomb(0.5))
+        result = pl.simulate(model, duration=0.15, step=2e-3)
+        return np.array([result.center_of_mass(box)[-1] for box in boxes])
+
+    # Moved aside by a ten-thousandth of their width.
+    away = stairs(2e-5) - stairs(0.0)
+    assert np.abs(away - np.outer(range(3), (0, 2e-5, 0))).max() < 1e-5
+
+
 def test_a_stack_of_blocks_rests(record):
     model = pl.Model(gravity=(0, 0, -GRAVITY))
     ground = model.add_obstacle(pl.HalfSpace())

@@ -8,7 +8,7 @@ use pliant_dae::statistics::Statistics;
 use serde::{Deserialize, Serialize};
 
 /// Of the layout; it changes with any field of what is saved.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// A run at one moment. The model and the options of the run are not in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

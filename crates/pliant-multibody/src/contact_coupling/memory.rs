@@ -58,6 +58,8 @@ pub struct ContactMemory {
     pub coupled: Vec<(Pair, u32)>,
     /// For each contact: force on the slave [N] and its integral over time [N s].
     pub totals: Vec<[f64; 6]>,
+    /// Whether anything touched at the step before that.
+    pub had_touched: bool,
     /// Where lines touch.
     pub patches: Vec<PatchRecord>,
     /// Of bodies other than lines.

@@ -466,6 +466,7 @@ impl Contacts {
         at: At<'_>,
         at_rest: bool,
     ) {
+        memory.had_touched = memory.has_touched();
         let of_probes = self.probes.accept(&mut search.probes, memory, at, at_rest);
         let mut bristles = Vec::new();
         let h = if memory.q.is_empty() { 0.0 } else { at.t - memory.t };

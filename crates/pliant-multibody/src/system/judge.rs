@@ -90,7 +90,10 @@ impl System {
         let contacts = &model.contacts;
         if !contacts.is_empty() {
             self.judge_passage(before, after, part)?;
-            if self.search.any(contacts, after.q) || self.memory.contact.has_touched() {
+            let memory = &self.memory.contact;
+            // The algorithmic accelerations hold a force for one step more than it acts: velocities gain by it still.
+            let lately = memory.has_touched() || memory.had_touched;
+            if lately || self.search.any(contacts, after.q) {
                 return self.judge_contact(before, after, part);
             }
         }
