@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,7 @@ from pliant.curves import Curve
 from pliant.friction import Coulomb, Friction, LuGre
 from pliant.points import Point
 from pliant.shapes import Box, Capsule, Cylinder, Shape, Sphere
-from pliant.typing import FloatArray, Json
+from pliant.typing import FloatArray, IntArray, Json
 
 __all__ = ["Bore", "ContactData", "HalfSpace", "ObstacleData", "TriangleMesh"]
 
@@ -24,6 +25,7 @@ RAMP = 0.005  # penetration at which the full stiffness is reached, over the rad
 DAMPING = 3.0
 NUDGE = 1e-6  # by which ends of strands are moved inwards, over the length of an element
 STANDARD_GRAVITY = 9.80665
+FINEST = 10_000  # places along the line of a bore that are compared with each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +62,9 @@ class TriangleMesh:
     points : array_like, shape (n, 3)
         Corners [m].
     triangles : array_like, shape (m, 3)
-        Numbers of three points for each triangle, counter-clockwise seen from outside. The surface may be
-        closed or, like a terrain, have a rim; behind it all is solid.
+        Numbers of three points for each triangle, counter-clockwise seen from outside, so that neighbours go
+        along their common side in opposite ways. The surface may be closed or, like a terrain, have a rim;
+        behind it all is solid.
 
     Examples
     --------
@@ -83,8 +86,44 @@ class TriangleMesh:
         if flat.any():
             bad = int(np.argmax(flat))
             _check.fail("triangles", triangles[bad].tolist(), f"triangle {bad} has no area")
+        _check_turned(triangles)
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "triangles", triangles)
+
+
+def _check_turned(triangles: IntArray) -> None:
+    """Refuse neighbours that are turned against each other: one of them would be solid in front."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = len(triangles)
+    sides = np.concatenate([np.roll(triangles, -k, axis=1)[:, :2] for k in range(3)])
+    owner = np.tile(np.arange(count), 3)
+    _, which, uses = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    # Where more than two meet none is the neighbour of another.
+    first = (np.cumsum(uses) - uses)[uses == 2]
+    one, two = order[first], order[first + 1]
+    same = sides[one, 0] == sides[two, 0]
+    if not same.any():
+        return
+    # Each triangle as it is, and turned.
+    rows = np.concatenate([owner[one], owner[one] + count])
+    columns = np.concatenate([owner[two] + count * same, owner[two] + count * ~same])
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(2 * count, 2 * count))
+    part = connected_components(graph, directed=False)[1]
+    worst = int(np.argmax(same))
+    a, b = sorted((int(owner[one[worst]]), int(owner[two[worst]])))
+    if part[a] == part[a + count]:
+        remedy = "the surface has one side only, like Möbius' band; cut it open"
+    else:
+        halves = [np.flatnonzero(part[:count] == part[k]).tolist() for k in (a, a + count)]
+        remedy = f"turn {reprlib.repr(min(reversed(halves), key=len))}, their corners in reverse order"
+    _check.fail(
+        "triangles",
+        triangles[[a, b]].tolist(),
+        f"triangles {a} and {b} are neighbours and turned against each other; {remedy}",
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +137,7 @@ class Bore:
     line : Curve, or array_like of shape (n, 3)
         Its middle line [m]: a curve, or two or more points that a smooth line is laid through.
     radius : float
-        Inner radius [m]; the line must not bend as sharply.
+        Inner radius [m]; the line must not bend as sharply, nor the channel run into itself.
     tangents : array_like, shape (n, 3), optional
         Directions of the line at the points, of any length; None: those of a cubic spline.
     pieces : int
@@ -156,6 +195,7 @@ class Bore:
                 radius,
                 f"must be below the least radius of curvature of the line, {1 / sharpest:g} m",
             )
+        self._check_apart()
 
     @property
     def lengths(self) -> FloatArray:
@@ -166,16 +206,68 @@ class Bore:
         lengths: FloatArray = chords / np.sinc(half / np.pi)
         return lengths
 
-    def _sharpest(self) -> float:
-        """Largest curvature of the line [1/m]."""
-        xi = np.linspace(0.0, 1.0, 9)[:, None, None]
+    def _slopes(self) -> FloatArray:
+        """Coefficients of the line's derivatives by xi, ascending, shape (3, n - 1, 3)."""
         chord = np.diff(self.line, axis=0)
         t, u = (self.tangents[k : len(chord) + k] * self.lengths[:, None] for k in (0, 1))
-        c = [t, 3 * chord - 2 * t - u, t + u - 2 * chord]
-        slope = c[0] + (2 * c[1] + 3 * c[2] * xi) * xi
-        bend = 2 * c[1] + 6 * c[2] * xi
-        turn = np.linalg.norm(np.cross(slope, bend), axis=-1)
-        return float((turn / np.linalg.norm(slope, axis=-1) ** 3).max())
+        return np.stack([t, 2 * (3 * chord - 2 * t - u), 3 * (t + u - 2 * chord)])
+
+    def _sharpest(self) -> float:
+        """Largest curvature of the line [1/m]."""
+        from numpy.polynomial.polynomial import polyder, polymul, polyroots, polysub, polytrim, polyval
+
+        a, b, c = self._slopes()
+        # Slope times its derivative: the cubic terms cancel.
+        turn = np.stack([np.cross(a, b), 2 * np.cross(a, c), np.cross(b, c)])
+        largest = 0.0
+        for piece in range(self.pieces):
+            speed, turned = (_square(x[:, piece]) for x in (np.stack([a, b, c]), turn))
+            # kappa^2 = turned / speed^3 is largest at an end or where its derivative vanishes.
+            rising = polysub(polymul(polyder(turned), speed), 3 * polymul(turned, polyder(speed)))
+            roots = polyroots(polytrim(rising, 1e-14 * np.abs(rising).max()))
+            # Of a double root rounding makes a pair beside the axis.
+            xi = np.clip(np.concatenate([[0.0, 1.0], roots.real]), 0.0, 1.0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                squares = polyval(xi, turned) / polyval(xi, speed) ** 3
+            largest = max(largest, float(np.nan_to_num(squares, nan=np.inf, posinf=np.inf).max()))
+        return float(np.sqrt(largest))
+
+    def _check_apart(self) -> None:
+        """Refuse a channel that runs into itself."""
+        from scipy.spatial import KDTree
+
+        # Half a turn on, a line that bends less sharply than the radius is two radii away (Schur 1921).
+        ends = np.concatenate([[0.0], np.cumsum(self.lengths)])
+        fine = min(int(8 * ends[-1] / self.radius) + 2, FINEST)
+        s = np.linspace(0.0, ends[-1], fine)
+        piece = np.clip(np.searchsorted(ends, s, side="right") - 1, 0, self.pieces - 1)
+        xi = ((s - ends[piece]) / self.lengths[piece])[:, None]
+        a, b, c = self._slopes()[:, piece]
+        points = self.line[piece] + (a + (b / 2 + c / 3 * xi) * xi) * xi
+        spacing = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max())
+        near = 2 * self.radius - spacing
+        if near <= 0.0:
+            return
+        first, second = KDTree(points).query_pairs(near, output_type="ndarray").T
+        along = np.abs(s[second] - s[first])
+        if np.linalg.norm(points[-1] - points[0]) <= 1e-9 * ends[-1]:
+            along = np.minimum(along, ends[-1] - along)
+        bad = along > np.pi * self.radius + spacing
+        if bad.any():
+            k = int(np.argmax(bad))
+            least = float(np.linalg.norm(points[first[bad]] - points[second[bad]], axis=1).min())
+            _check.fail(
+                "radius",
+                self.radius,
+                f"the channel runs into itself, {s[first[k]]:.3g} m and {s[second[k]]:.3g} m along the line: "
+                f"must be below {least / 2:.3g} m, half of the distance there",
+            )
+
+
+def _square(x: FloatArray) -> FloatArray:
+    """Square of a vector of polynomials (k, 3), ascending."""
+    square: FloatArray = np.sum([np.convolve(x[:, c], x[:, c]) for c in range(3)], axis=0)
+    return square
 
 
 def _spline_tangents(points: FloatArray, steps: FloatArray) -> FloatArray:

@@ -120,6 +120,19 @@ def test_shapes_are_drawn_where_they_stand(name: str) -> None:
     assert inside(drawn.lines.reshape(-1, 3), extent)
 
 
+def test_a_bore_may_close_and_wind_without_running_into_itself() -> None:
+    pl.Bore(pl.Curve(lambda s: (np.cos(s), np.sin(s), 0.0), length=2 * np.pi), radius=0.9)
+    rise = 0.1
+    speed = np.hypot(1.0, rise)
+    coil = pl.Curve(
+        lambda s: (np.cos(s / speed), np.sin(s / speed), rise * s / speed), length=6 * np.pi * speed
+    )
+    # Turns lie 0.628 m apart.
+    assert pl.Bore(coil, radius=0.3, pieces=48).radius == 0.3
+    with pytest.raises(pl.ModelError, match="runs into itself"):
+        pl.Bore(coil, radius=0.35, pieces=48)
+
+
 def test_a_bent_bore_keeps_to_its_line_and_goes_on_straight() -> None:
     arc = pl.Curve(
         lambda s: (0.8 * np.sin(s / 0.8), 0.8 * (1 - np.cos(s / 0.8)), 0.0), length=0.8 * np.pi / 2

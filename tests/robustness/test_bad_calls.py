@@ -15,6 +15,7 @@ import pliant as pl
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pliant.typing import FloatArray
 
 NAN, INF = math.nan, math.inf
 
@@ -190,6 +191,22 @@ LAW = pl.LuGre(0.4, 0.3, bristle_stiffness=1e5)
 INNER = [(0.5, 0, 0), (0.5, 0.5, 0), (0.5, 1, 0)]
 ARC = pl.Curve(lambda s: (np.sin(s), 1 - np.cos(s), 0.0), length=1.0)
 TRIANGLE = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+SQUARE = [*TRIANGLE, (1, 1, 0)]
+# A hook between two of its nine equidistant places.
+HOOK = [(0, 0, 0), (1, 0, 0)], 0.03, [(1, 0, 0), (-np.cos(0.5), np.sin(0.5), 0)]
+HAIRPIN = [(0, 0, 0), (1, 0, 0), (1, 0.1, 0), (0, 0.1, 0)]
+
+
+def moebius() -> tuple[FloatArray, list[tuple[int, int, int]]]:
+    """A band with half a turn: points of one rim, then of the other."""
+    n = 12
+    phi = np.arange(n) * 2 * np.pi / n
+    out = np.stack([np.cos(phi), np.sin(phi), 0 * phi], axis=1)
+    wide = 0.3 * (np.cos(phi / 2)[:, None] * out + np.sin(phi / 2)[:, None] * np.array((0, 0, 1)))
+    faces = [(k, k + n, k + 1, k + 1 + n) for k in range(n - 1)] + [(n - 1, 2 * n - 1, n, 0)]
+    triangles = [corners for a, b, c, d in faces for corners in ((a, b, c), (c, b, d))]
+    return np.concatenate([out + wide, out - wide]), triangles
+
 
 CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     # argument, value as it must appear in the message, call
@@ -366,11 +383,16 @@ CATALOGUE: list[tuple[str, str, Callable[[SimpleNamespace], Any]]] = [
     ("triangles", "0 to 2", lambda s: pl.TriangleMesh(TRIANGLE, [(0, 1, 3)])),
     ("triangles", "no area", lambda s: pl.TriangleMesh([*TRIANGLE, (2, 0, 0)], [(0, 1, 3)])),
     ("triangles", "0.5", lambda s: pl.TriangleMesh(TRIANGLE, [(0, 1, 0.5)])),
+    ("triangles", "0 and 1 are neighbours", lambda s: pl.TriangleMesh(SQUARE, [(0, 1, 2), (1, 2, 3)])),
+    ("triangles", "turn [1]", lambda s: pl.TriangleMesh(SQUARE, [(0, 1, 2), (1, 2, 3)])),
+    ("triangles", "one side only", lambda s: pl.TriangleMesh(*moebius())),
     ("line", "two points", lambda s: pl.Bore([(0, 0, 0)], 0.1)),
     ("line[1]", "coincides", lambda s: pl.Bore([(0, 0, 0), (0, 0, 0), (1, 0, 0)], 0.1)),
     ("tangents", "not vanish", lambda s: pl.Bore([(0, 0, 0), (1, 0, 0)], 0.1, [(0, 0, 0), (1, 0, 0)])),
     ("tangents", "leave them out", lambda s: pl.Bore(ARC, 0.1, [(1, 0, 0)])),
     ("radius", "radius of curvature", lambda s: pl.Bore(ARC, 1.1)),
+    ("radius", "radius of curvature", lambda s: pl.Bore(*HOOK)),
+    ("radius", "runs into itself", lambda s: pl.Bore(HAIRPIN, 0.2)),
     ("radius", "-1", lambda s: pl.Bore(ARC, -1)),
     ("damping_velocity", "above 0", lambda s: pl.LuGre(0.4, 0.3, damping_velocity=0.0)),
     ("b", "another model", lambda s: s.m.add_contact(s.rope, s.stranger)),
