@@ -91,10 +91,13 @@ impl System {
         if !contacts.is_empty() {
             self.judge_passage(before, after, part)?;
             let memory = &self.memory.contact;
+            let (lasts, lasted) = (memory.has_touched(), memory.had_touched);
+            if lasts || self.search.any(contacts, after.q) {
+                return self.judge_contact(before, after, part, true);
+            }
             // The algorithmic accelerations hold a force for one step more than it acts: velocities gain by it still.
-            let lately = memory.has_touched() || memory.had_touched;
-            if lately || self.search.any(contacts, after.q) {
-                return self.judge_contact(before, after, part);
+            if lasted {
+                return self.judge_contact(before, after, part, false);
             }
         }
         self.judge_motion(before, after, part)
@@ -142,11 +145,13 @@ impl System {
         (last, now, outside)
     }
 
+    /// Where the contact `lasts`, neither may a step lose what the balance does not tell.
     fn judge_contact(
         &mut self,
         before: Point<'_>,
         after: Point<'_>,
         part: f64,
+        lasts: bool,
     ) -> Result<(), EvaluationError> {
         let (last, now, outside) = self.change(before, after);
         let liveliest = &mut self.memory.liveliest;
@@ -164,7 +169,7 @@ impl System {
             let changes = [now[0] - last[0], now[1] + now[2] - last[1] - last[2], lost, outside];
             let exchanged: f64 = changes.iter().map(|e| e.abs()).sum();
             let limit = GAP * peak + EXCHANGED * exchanged + REST * contacts.energy_floor;
-            if gap.abs() > limit {
+            if gap > limit || (lasts && -gap > limit) {
                 return refuse(format!(
                     "a step leaves {gap:.3e} J of a contact out of the balance, of {peak:.3e} J in motion"
                 ));
