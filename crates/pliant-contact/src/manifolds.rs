@@ -176,6 +176,8 @@ pub fn meet(first: (&Shape, &Pose), second: (&Shape, &Pose)) -> Vec<Meeting> {
     let axes = (first.1.axes * turn_1).transpose() * second.1.axes * turn_2;
     let offset = turn_1.transpose() * first.1.local(second.1.origin);
     let q = UnitQuaternion::from_matrix(&axes);
+    // Places on the bodies do not stretch with axes that an iterate has off being orthonormal.
+    let axes = q.to_rotation_matrix().into_inner();
     let rotation = Rotation::from_xyzw(q.i, q.j, q.k, q.w);
     let pose = ParryPose::from_parts(parry(offset), rotation);
     // Corners that have left count in the outline still.
