@@ -87,9 +87,6 @@ impl Line {
     }
 }
 
-/// Samples of a piece where its curvature is looked at.
-const SAMPLES: usize = 8;
-
 impl Bore {
     /// The bore of a radius [m] along the cubic pieces between `points` [m] with unit `tangents`, `lengths` [m] apart
     /// along the line; none where these do not go together or the line bends more sharply than the radius.
@@ -112,14 +109,7 @@ impl Bore {
                 Piece::new(x, lengths[k], radius)
             })
             .collect();
-        let curvature = |piece: &Piece, xi: f64| {
-            let (t, c) = (piece.slope(xi), piece.bend(xi));
-            t.cross(&c).norm() / t.norm().powi(3)
-        };
-        let sharpest = pieces
-            .iter()
-            .flat_map(|piece| (0..=SAMPLES).map(|k| curvature(piece, k as f64 / SAMPLES as f64)))
-            .fold(0.0, f64::max);
+        let sharpest = pieces.iter().map(Piece::sharpest).fold(0.0, f64::max);
         // Beyond the wall the distance has its kinks where the line's centres of curvature lie, within it on the line.
         let reach = (1.0 / sharpest - radius).min(radius);
         let near = (0..n).collect();
@@ -256,6 +246,17 @@ impl Bore {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+
+    #[test]
+    fn a_hook_between_any_two_places_is_seen() {
+        let hook = |radius: f64| {
+            let tangents = [[1.0, 0.0, 0.0], [-0.5_f64.cos(), 0.5_f64.sin(), 0.0]];
+            Bore::new(&[[0.0; 3], [1.0, 0.0, 0.0]], &tangents, &[1.363_174_11], radius)
+        };
+        // By the roots of the derivative of its curvature, largest at xi = 0.821.
+        let least = 1.0 / 95.777_994_98;
+        assert!(hook(0.9999 * least).is_some() && hook(1.0001 * least).is_none());
+    }
     use proptest::prelude::*;
 
     const STRAIGHT: f64 = 0.3;

@@ -23,6 +23,11 @@ const ITERATIONS: usize = 60;
 /// Halvings after which two feet are one.
 const DEPTH: usize = 40;
 
+/// Part of a curvature, and of one over a length, by which its bound may exceed it.
+const SHARP: f64 = 1e-6;
+/// Length of a part of a piece in xi whose slope cannot be told from a vanishing one.
+const CUSP: f64 = 1e-9;
+
 impl Piece {
     /// The piece over `x`, of stress-free length `length` [m] and radius `radius` [m].
     #[must_use]
@@ -149,6 +154,37 @@ impl Piece {
         let products = pairs.map(|(i, j): (usize, usize)| 9.0 * legs[i].dot(&legs[j]));
         let least = products.into_iter().fold(f64::INFINITY, f64::min);
         (least > 0.0).then(|| self.bend / least)
+    }
+
+    /// Its largest curvature, or a millionth of it and of one over the length more [1/m]; infinite where it has a cusp.
+    #[must_use]
+    pub fn sharpest(&self) -> f64 {
+        let turn = |xi: f64| self.slope(xi).cross(&self.bend(xi));
+        let curvature = |xi: f64| turn(xi).norm() / self.slope(xi).norm().powi(3);
+        let more = |found: f64| (1.0 + SHARP) * found + SHARP / self.speed;
+        let mut found = curvature(0.0).max(curvature(1.0));
+        let mut open = vec![(0.0, 1.0)];
+        while let Some((low, high)) = open.pop() {
+            let middle = 0.5 * (low + high);
+            found = found.max(curvature(middle));
+            let b = self.part(low, high);
+            let legs = [0, 1, 2].map(|i| (b[i + 1] - b[i]) * (3.0 / (high - low)));
+            let products = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+            let least = products.map(|(i, j): (usize, usize)| legs[i].dot(&legs[j]));
+            let least = least.into_iter().fold(f64::INFINITY, f64::min).max(0.0);
+            // Slope times bend is of second degree, and in the hull of its control points.
+            let (first, last) = (turn(low), turn(high));
+            let between = turn(middle) * 2.0 - (first + last) * 0.5;
+            let most = [first, between, last].map(|w| w.norm()).into_iter().fold(0.0, f64::max);
+            let bound = most / least.powf(1.5);
+            if most > 0.0 && bound > more(found) {
+                if high - low < CUSP {
+                    return f64::INFINITY;
+                }
+                open.extend([(low, middle), (middle, high)]);
+            }
+        }
+        more(found)
     }
 
     /// The xi in [0, 1] where the distance to `q` is least.
