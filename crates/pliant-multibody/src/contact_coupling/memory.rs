@@ -130,6 +130,25 @@ impl ContactMemory {
     }
 }
 
+/// Cosine of the angle between normals up to which points may be those of one track.
+const ALIKE: f64 = 0.5;
+
+/// Of some points the first that faces as `n` does. In a groove of a surface a point has a foot on each slope: of several
+/// at one place the one whose normal is nearest counts.
+fn alike<'a>(points: impl Iterator<Item = &'a Bristle>, n: Vector3<f64>) -> Option<&'a Bristle> {
+    let along = |b: &Bristle| Vector3::from(b.n).dot(&n);
+    let mut best: Option<&Bristle> = None;
+    for point in points {
+        if best.is_some_and(|best| best.slave != point.slave) {
+            break;
+        }
+        if along(point) > best.map_or(ALIKE, along) {
+            best = Some(point);
+        }
+    }
+    best
+}
+
 /// Deflection at a new point with the normal `n`, among the `bristles` of its contact.
 #[must_use]
 pub fn bristle(
@@ -141,8 +160,8 @@ pub fn bristle(
     let middle = bristles.partition_point(|b| b.slave <= slave);
     // Other turns of the same line may lie on the same place.
     let same = |b: &&Bristle| (b.master - master).abs() <= (b.slave - slave).abs() + 4.0 * radius;
-    let before = bristles[..middle].iter().rev().find(same);
-    let after = bristles[middle..].iter().find(same);
+    let before = alike(bristles[..middle].iter().rev().filter(same), n);
+    let after = alike(bristles[middle..].iter().filter(same), n);
     let carried = |b: &Bristle| transport(Vector3::from(b.z), Vector3::from(b.n), n);
     let near = |b: &&Bristle| {
         (b.zone[0] <= slave && slave <= b.zone[1]) || (b.slave - slave).abs() <= 2.0 * radius
