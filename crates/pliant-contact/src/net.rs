@@ -154,6 +154,19 @@ impl Jet {
     pub fn bend(&self, a: usize, b: usize) -> Vector3<f64> {
         self.bends[a + b]
     }
+
+    /// Whether the surface bends there about as sharply towards `p` as around a centre at it, where distances from it
+    /// hardly change: then it may be near p more than once.
+    #[must_use]
+    pub fn is_sharp(&self, p: Vector3<f64>) -> bool {
+        let d = p - self.r;
+        let metric = Matrix2::from_fn(|a, b| self.slopes[a].dot(&self.slopes[b]));
+        let bend = Matrix2::from_fn(|a, b| d.dot(&self.bend(a, b)));
+        // Its eigenvalues are curvatures times the distance.
+        let Some(turn) = metric.try_inverse().map(|inverse| inverse * bend) else { return false };
+        let mean = 0.5 * turn.trace();
+        mean + (mean * mean - turn.determinant()).max(0.0).sqrt() > SHARP
+    }
 }
 
 /// Where the nearest point may slide.
@@ -210,6 +223,10 @@ impl Points {
     }
 }
 
+/// Points of a sharply bent net from which its nearest one is sought, and the distance over the radius of curvature from
+/// which on it counts as one.
+const STARTS: usize = 4;
+const SHARP: f64 = 0.5;
 /// Turns of the iteration; it takes three to six.
 const TURNS: usize = 60;
 /// Step in the parameters whose square is rounding.
@@ -366,12 +383,22 @@ impl Net {
         }
     }
 
-    /// The point nearest to `p`, from the control point that is.
+    /// The point nearest to `p`, from the control point that is; where the net may be near p more than once, also from
+    /// the nearest of some of its own points.
     #[must_use]
     pub fn nearest(&self, p: Vector3<f64>) -> Nearest {
         let far = |k: usize| (self.points[k] - p).norm_squared();
         let start = (0..self.form.points()).min_by(|&a, &b| far(a).total_cmp(&far(b)));
-        self.nearest_from(p, self.form.place(start.unwrap_or(0)))
+        let found = self.nearest_from(p, self.form.place(start.unwrap_or(0)));
+        if !found.jet.is_sharp(p) {
+            return found;
+        }
+        let far = |at: [f64; 2]| (self.jet(at).r - p).norm_squared();
+        let places = (0..self.form.points()).map(|k| self.form.place(k));
+        let mut starts: Vec<(f64, [f64; 2])> = places.map(|at| (far(at), at)).collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let others = starts.into_iter().take(STARTS).map(|(_, at)| self.nearest_from(p, at));
+        others.fold(found, |best, other| if other.square < best.square { other } else { best })
     }
 
     /// The point nearest to `p` near a place.
@@ -487,24 +514,15 @@ impl Net {
         let full = metric - Matrix2::from_fn(|a, b| d.dot(&jet.bend(a, b)));
         let sliding = |side: usize| {
             let e = Vector2::from(along(self.form, side));
-            let (stiff, safe) = (e.dot(&(full * e)), e.dot(&(metric * e)));
-            let stiff = if stiff > 1e-3 * safe { stiff } else { safe };
+            let (stiff, safe) = (e.dot(&(full * e)).abs(), e.dot(&(metric * e)));
+            let stiff = stiff.max(FLAT * safe);
             if stiff > 0.0 { e * (-g.dot(&e) / stiff) } else { Vector2::zeros() }
         };
         let step = match held {
             [Some(_), Some(_)] => return None,
             [Some(side), None] => sliding(side),
             _ => {
-                let convex = |m: &Matrix2<f64>| {
-                    m.trace() > 0.0 && m.determinant() > 1e-6 * metric.determinant()
-                };
-                let matrix = if convex(&full) { full } else { metric };
-                let slack = 1e-12 * metric.trace();
-                let step = matrix.try_inverse().unwrap_or_else(|| {
-                    Matrix2::from_diagonal_element(
-                        1.0 / (metric.trace() + slack + f64::MIN_POSITIVE),
-                    )
-                }) * -g;
+                let step = downhill(full, metric, g)?;
                 // A step that a side bars at once goes along it, or straight down.
                 let barred = self.sides_at(x).into_iter().flatten().find(|&side| {
                     step.dot(&Vector2::from(self.form.bounds()[side].0)) < -LAST * step.amax()
@@ -524,6 +542,24 @@ impl Net {
 }
 
 type Vec2Sides = [Option<usize>; 2];
+
+/// Part of the metric above which the stiffness of a foot is kept in a step.
+const FLAT: f64 = 1e-6;
+
+/// Newton's step for the squared distance with the Hessian `full`, its curvatures by the metric taken as positive: where
+/// the surface bends more sharply than towards a centre at p the point would run uphill else, and by the metric alone it
+/// would hardly leave the crest between two feet.
+fn downhill(full: Matrix2<f64>, metric: Matrix2<f64>, g: Vector2<f64>) -> Option<Vector2<f64>> {
+    let root = metric.cholesky().and_then(|root| root.l().try_inverse());
+    let Some(root) = root else {
+        // A corner of the square that is none of the face: straight down.
+        return (metric.trace() > 0.0).then(|| g / -metric.trace());
+    };
+    let eigen = (root * full * root.transpose()).symmetric_eigen();
+    let along = eigen.eigenvectors.transpose() * (root * g);
+    let by = along.zip_map(&eigen.eigenvalues, |g, stiff| -g / stiff.abs().max(FLAT));
+    Some(root.transpose() * (eigen.eigenvectors * by))
+}
 
 /// The box around some points, grown by a margin.
 #[must_use]
@@ -690,6 +726,28 @@ mod tests {
                     }
                     Feature::Corner(_) => {}
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn feet_leave_the_crest_between_two() {
+        // z = a x^2 over [-1/2, 1/2]: seen from (0, 0, h), above the centre of curvature, the middle is farthest.
+        let a = 2.0;
+        let points = std::array::from_fn(|k| {
+            let [u, v] = Form::Square.place(k);
+            // Control points of (u - 1/2)^2.
+            let height = [0.25, -1.0 / 12.0, -1.0 / 12.0, 0.25][(3.0 * u).round() as usize];
+            Vector3::new(u - 0.5, v - 0.5, a * height)
+        });
+        let net = Net::new(Form::Square, points);
+        for h in [0.2501, 0.26, 0.3, 0.4] {
+            let p = Vector3::new(0.0, 0.1, h);
+            let foot = ((h - 0.5 / a) / a).sqrt();
+            for start in [0.5 + 1e-3, 0.5 - 1e-6, 0.6, 0.1] {
+                let found = net.nearest_from(p, [start, 0.5]);
+                assert!((found.at[0] - 0.5).abs() - foot < 1e-9, "{h} {start} {found:?} {foot}");
+                assert!((found.at[0] - 0.5).abs() - foot > -1e-9, "{h} {start} {found:?} {foot}");
             }
         }
     }

@@ -438,6 +438,12 @@ impl Here<'_> {
     fn feet(&self, one: &One<'_>) -> Vec<(skin::Foot, Foot, Vector3<f64>)> {
         let mut found = Vec::new();
         self.skin.feet(self.now, one.faces, (one.p, one.range), &mut found);
+        if let (Some(before), Some(was)) = (self.before, one.was) {
+            for foot in &mut found {
+                let followed = self.skin.followed([before, self.now], [was, one.p], foot);
+                *foot = followed.unwrap_or(*foot);
+            }
+        }
         if let (Some(own), Some(x)) = (&self.facing.own, one.own) {
             let too_near = |face: usize, place: Vector3<f64>| {
                 own.near[one.part].binary_search(&face).is_ok() && (place - x).norm() < own.width

@@ -306,6 +306,24 @@ impl Skin {
         nearest.map(|(net, found)| self.foot(face, net, found))
     }
 
+    /// The foot of a point at `p` that goes on from the nearest one where it `was`, on the same net, where that may be near
+    /// it more than once. Which of two is nearer turns about as the point moves to and fro between them, and with it the
+    /// direction of the force: within a step one counts.
+    pub(crate) fn followed(
+        &self,
+        [before, now]: [&Posed; 2],
+        [was, p]: [Vector3<f64>; 2],
+        foot: &Foot,
+    ) -> Option<Foot> {
+        if foot.spot != Spot::Inside || !foot.jet.is_sharp(p) {
+            return None;
+        }
+        let then = before.nets[foot.net].nearest(was);
+        let here = now.nets[foot.net].nearest_from(p, then.at);
+        let inside = then.feature == Feature::Inside && here.feature == Feature::Inside;
+        inside.then(|| self.foot(foot.face, foot.net, here))
+    }
+
     /// The foot of `p` on a face among the places that `wanted` says yes to, where one lies inside.
     pub(crate) fn other_foot(
         &self,
