@@ -20,6 +20,14 @@ pub struct Failure {
     pub name: String,
 }
 
+impl Failure {
+    /// Increments that a message shows: a dozen.
+    #[must_use]
+    pub fn last_increments(&self) -> &[f64] {
+        &self.increments[self.increments.len().saturating_sub(12)..]
+    }
+}
+
 /// A step whose local error is too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
@@ -127,15 +135,16 @@ pub enum Error {
     },
     /// The iteration did not converge.
     #[error(
-        "no convergence at t = {} with a step of {} after {} iterations; {} still moves (increments {:?})",
-        .0.t, .0.h, .0.iterations, .0.name, .0.increments
+        "no convergence at t = {} with a step of {} after {} iterations; {} still moves (last increments {:?})",
+        .0.t, .0.h, .0.iterations, .0.name, .0.last_increments()
     )]
     NotConverged(Box<Failure>),
     /// The search for an equilibrium was held up by bodies that do not pass through each other.
     #[error(
         "at t = {} no equilibrium was found on this side of what is in the way after {} iterations: {what} \
-         (increments {:?}); take more load steps, or let the model come to rest in a simulation and start from there",
-        .failure.t, .failure.iterations, .failure.increments
+         (last increments {:?}); take more load steps, or let the model come to rest in a simulation and start from \
+         there",
+        .failure.t, .failure.iterations, .failure.last_increments()
     )]
     Barred {
         /// Where the iteration stood.
