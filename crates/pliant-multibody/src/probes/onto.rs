@@ -459,9 +459,17 @@ impl Here<'_> {
                 })
                 .collect();
         }
-        found.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
+        // Before a surface that wraps around the probe which of several feet is nearest turns about within the iteration:
+        // the one that was at the last accepted step counts.
+        let wraps = found.len() > 1 && found.iter().any(|foot| foot.jet.is_sharp(one.p));
+        let far = |foot: &skin::Foot| match (wraps, self.before, one.was) {
+            (true, Some(before), Some(was)) => before.nets[foot.net].nearest(was).square,
+            _ => foot.distance * foot.distance,
+        };
+        let mut ranked: Vec<(f64, skin::Foot)> = found.into_iter().map(|f| (far(&f), f)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.face.cmp(&b.1.face)));
         let mut kept: Vec<(skin::Foot, Foot, Vector3<f64>)> = Vec::new();
-        for foot in found {
+        for (_, foot) in ranked {
             let place = self.skin.place(&foot);
             let reach = 2.0 * self.facing.reach;
             let probe = self.before(one, &foot);
