@@ -291,10 +291,11 @@ pub(crate) mod tests {
             let (at, tangent) = line(s);
             let across = Vector3::z().cross(&tangent) * around.cos() + Vector3::z() * around.sin();
             let found = quarter().0.distance(at + across * (0.1 * part));
-            // 16 cubic pieces on a quarter of a circle are 1e-7 off.
-            prop_assert!((found.value - 0.1 * (1.0 - part)).abs() < 1e-6, "{s} {found:?}");
+            // 16 cubic pieces on a quarter of a circle are 1e-7 off, which turns the normal the more the nearer the line is.
+            let (distance, off) = (0.1 * part, 2e-7);
+            prop_assert!((found.value - (0.1 - distance)).abs() < off, "{s} {found:?}");
             if part > 1e-2 {
-                prop_assert!((found.normal + across).norm() < 1e-4, "{s} {found:?}");
+                prop_assert!((found.normal + across).norm() < off / distance + 1e-5, "{s} {found:?}");
             }
         }
     }
