@@ -128,7 +128,8 @@ pub struct Spot {
 }
 
 /// A smooth step from 0 at the first to 1 at the second place.
-fn step(x: f64, (from, to): (f64, f64)) -> f64 {
+#[must_use]
+pub fn step(x: f64, (from, to): (f64, f64)) -> f64 {
     let x = ((x - from) / (to - from)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

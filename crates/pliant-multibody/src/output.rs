@@ -46,8 +46,8 @@ impl Model {
         energy
     }
 
-    /// What is rounding in sums of energies that hold so much elastic and gravitational energy [J]: large ones cancel, and stiff lines
-    /// at rest hum.
+    /// What is rounding in sums of energies that hold so much elastic and gravitational energy [J]: large ones cancel, and
+    /// stiff lines at rest hum.
     pub(crate) fn rounding_of_energy(&self, elastic: f64, gravitational: f64) -> f64 {
         CANCELLED * (elastic.abs() + gravitational.abs()) + HUM * self.axial_energy
     }

@@ -24,6 +24,7 @@ use pliant_contact::friction::{Coulomb, Friction, LuGre};
 use pliant_contact::normal::Normal;
 use pliant_contact::point::Laws;
 use pliant_contact::shapes::Placed;
+use pliant_contact::zones::step;
 use pliant_dae::structure::Structure;
 use std::collections::HashMap;
 
@@ -153,8 +154,7 @@ impl Contact {
         }
         let beyond = |[s, m, width]: &[f64; 3]| {
             let way = (slave - s).abs().max((master - m).abs()) / width;
-            let x = ((way - 1.0) / BLEND).clamp(0.0, 1.0);
-            x * x * (3.0 - 2.0 * x)
+            step(way, SETS_IN)
         };
         self.joints([slave; 2], strands).map(beyond).fold(1.0, f64::min)
     }
@@ -203,8 +203,8 @@ impl Contact {
     }
 }
 
-/// Way beyond the neighbourhood of a joint, over its size, within which contact sets in.
-const BLEND: f64 = 0.5;
+/// Way from a joint, over the size of its neighbourhood, along which contact sets in.
+const SETS_IN: (f64, f64) = (1.0, 1.5);
 
 /// Part of an element by which joints at the ends of strands may lie inside of them.
 const NUDGED: f64 = 1e-5;
@@ -274,7 +274,7 @@ impl Contacts {
             let mut apart: Vec<[f64; 3]> =
                 (0..apart.len() / 3).map(|i| crate::document::row(apart, i)).collect();
             apart.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-            let reach = apart.iter().fold(0.0, |most, a| f64::max(most, a[2])) * (1.0 + BLEND);
+            let reach = apart.iter().fold(0.0, |most, a| f64::max(most, a[2])) * SETS_IN.1;
             if let Master::Line(other) = master {
                 this.by_lines.insert((slave.min(other), slave.max(other)), this.list.len());
             }

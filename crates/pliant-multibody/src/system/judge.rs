@@ -1,7 +1,7 @@
 //! What a converged step must not have done: carried bodies through each other, or made energy.
 //!
-//! Newton's iteration converges well in steps that are long beside a blow, or beside the whip of a stiff line, and finds motions that
-//! have many times the energy of the one before. Tried again in halves, such steps go right.
+//! Newton's iteration converges well in steps that are long beside a blow, or beside the whip of a stiff line, and finds
+//! motions that have many times the energy of the one before. Tried again in halves, such steps go right.
 
 use super::System;
 use crate::contact_coupling::run::Search;
@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 /// Part of the energy in play by which energy may grow within a step.
 const GAIN: f64 = 0.01;
-/// The same part of the work of loads, drives and winches in a step without contact: by a mean of their forces it is known roughly.
+/// The same part of the work of loads, drives and winches in a step without contact: by a mean of their forces it is
+/// known roughly.
 const OUTSIDE: f64 = 0.1;
 /// Square of the part of the velocities by which they change in a step that may have made energy, ...
 const TURNED: f64 = 0.25;
@@ -185,8 +186,8 @@ impl System {
         Ok(())
     }
 
-    /// The same without contact. Energy is looked at where velocities change by about as much as they are: in steps that make it they
-    /// change many times as much.
+    /// The same without contact. Energy is looked at where velocities change by about as much as they are: in steps that
+    /// make it they change many times as much.
     fn judge_motion(
         &mut self,
         before: Point<'_>,
@@ -235,36 +236,41 @@ impl System {
     /// Work of loads over a step; `noted` are their forces at its beginning.
     pub(super) fn work_of_step(
         &mut self,
-        mut noted: Vec<f64>,
+        noted: Vec<f64>,
         before: Point<'_>,
         after: Point<'_>,
     ) -> Exchange {
-        let mut spare = std::mem::take(&mut self.forces);
-        let work = work(&mut noted, &mut spare, before, after, |at, force| {
-            // Inputs that fail here have failed in the step itself.
-            if self.refresh(at.t).is_ok() {
-                self.working_forces(at, force);
-            }
-        });
-        self.forces = spare;
-        (after.t, work, noted)
+        self.exchange(noted, before, after, Self::working_forces)
     }
 
     /// What damping and friction dissipate over a step, likewise.
     pub(super) fn loss_of_step(
         &mut self,
-        mut noted: Vec<f64>,
+        noted: Vec<f64>,
         before: Point<'_>,
         after: Point<'_>,
     ) -> Exchange {
+        self.exchange(noted, before, after, |system, at, force| {
+            system.damping_forces(at.t, at.q, at.v, force);
+        })
+    }
+
+    fn exchange(
+        &mut self,
+        mut noted: Vec<f64>,
+        before: Point<'_>,
+        after: Point<'_>,
+        forces: impl Fn(&mut Self, Point<'_>, &mut [f64]),
+    ) -> Exchange {
         let mut spare = std::mem::take(&mut self.forces);
-        let lost = work(&mut noted, &mut spare, before, after, |at, force| {
+        let energy = work(&mut noted, &mut spare, before, after, |at, force| {
+            // Inputs that fail here have failed in the step itself.
             if self.refresh(at.t).is_ok() {
-                self.damping_forces(at.t, at.q, at.v, force);
+                forces(self, at, force);
             }
         });
         self.forces = spare;
-        (after.t, lost, noted)
+        (after.t, energy, noted)
     }
 
     fn energy_with(&self, search: &mut Search, at: Point<'_>) -> [f64; 3] {
